@@ -1,0 +1,1 @@
+//! Helmlink steers an uncrewed boat along its mission.

@@ -1,0 +1,3 @@
+//! The `helmlink` command.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! One MAVLink frame whose checksum has been verified.
