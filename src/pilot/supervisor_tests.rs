@@ -1,0 +1,176 @@
+//! The state machine under the conditions that matter at sea.
+
+use super::*;
+
+const GUIDED_BY_PILOT: Policy = Policy {
+    drive_mode: Mode::MANUAL,
+    engage_mode: None,
+    may_arm: false,
+    end_mode: Mode::HOLD,
+    limits: Limits { heartbeat_s: 3.0, position_s: 1.0, heading_s: 1.0, mode_change_s: 3.0, arming_s: 30.0 },
+};
+
+fn good() -> Conditions {
+    Conditions {
+        heartbeat_age_s: 0.1,
+        position_age_s: 0.1,
+        heading_age_s: 0.1,
+        estimator_ready: true,
+        mode: Some(Mode::MANUAL),
+        armed: true,
+        mission_ready: true,
+        output_ready: true,
+        mission_complete: false,
+    }
+}
+
+fn engaged(policy: Policy) -> Supervisor {
+    let mut supervisor = Supervisor::new(policy);
+    supervisor.update(0.0, &good());
+    assert_eq!(supervisor.state(), State::Ready);
+    supervisor.request(0.0, Request::Engage { patient: false }, &good()).unwrap();
+    supervisor.update(0.0, &good());
+    assert_eq!((supervisor.state(), supervisor.duty()), (State::Engaged, Duty::Drive));
+    supervisor
+}
+
+#[test]
+fn does_nothing_unless_told_to() {
+    let mut supervisor = Supervisor::new(GUIDED_BY_PILOT);
+    for step in 0..1000 {
+        let mut conditions = good();
+        conditions.mode = Some(if step % 7 == 0 { Mode::HOLD } else { Mode::GUIDED });
+        supervisor.update(f64::from(step), &conditions);
+        assert_eq!(supervisor.duty(), Duty::Nothing);
+        assert_eq!(supervisor.wanted_mode(&conditions), None);
+        assert!(!supervisor.wants_arming(&conditions) && !supervisor.take_release());
+    }
+}
+
+#[test]
+fn the_pilot_takes_over_at_once() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    supervisor.update(1.0, &Conditions { mode: Some(Mode::HOLD), ..good() });
+    assert_eq!((supervisor.state(), supervisor.duty()), (State::Ready, Duty::Nothing));
+    assert!(supervisor.take_release() && !supervisor.take_release());
+    // Back in the drive mode: still nothing, until told again.
+    supervisor.update(2.0, &good());
+    assert_eq!(supervisor.duty(), Duty::Nothing);
+}
+
+#[test]
+fn every_loss_ends_the_drive() {
+    let losses = [
+        (Conditions { heartbeat_age_s: 3.1, ..good() }, Duty::Nothing),
+        (Conditions { armed: false, ..good() }, Duty::Nothing),
+        (Conditions { position_age_s: 1.1, ..good() }, Duty::Neutral),
+        (Conditions { heading_age_s: 1.1, ..good() }, Duty::Neutral),
+        (Conditions { estimator_ready: false, ..good() }, Duty::Neutral),
+        (Conditions { position_age_s: f64::NAN.max(f64::INFINITY), ..good() }, Duty::Neutral),
+    ];
+    for (conditions, duty) in losses {
+        let mut supervisor = engaged(GUIDED_BY_PILOT);
+        supervisor.update(1.0, &conditions);
+        assert_eq!(supervisor.duty(), duty, "{conditions:?}");
+        // Whatever happens next, it lets go in the end and does not drive again by itself.
+        for step in 0..100 {
+            supervisor.update(1.0 + f64::from(step) * 0.1, &good());
+            assert_ne!(supervisor.duty(), Duty::Drive);
+        }
+        assert_eq!(supervisor.duty(), Duty::Nothing);
+        assert!(supervisor.take_release());
+    }
+}
+
+#[test]
+fn a_complete_mission_ends_in_hold() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    let complete = Conditions { mission_complete: true, ..good() };
+    supervisor.update(1.0, &complete);
+    assert_eq!((supervisor.duty(), supervisor.wanted_mode(&complete)), (Duty::Neutral, Some(Mode::HOLD)));
+    supervisor.update(1.2, &Conditions { mode: Some(Mode::HOLD), ..complete });
+    assert_eq!(supervisor.state(), State::Finished);
+    assert!(supervisor.take_release());
+}
+
+#[test]
+fn a_pause_keeps_the_mission_and_resumes_when_told() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    supervisor.request(1.0, Request::Pause, &good()).unwrap();
+    assert_eq!(supervisor.duty(), Duty::Neutral);
+    let held = Conditions { mode: Some(Mode::HOLD), ..good() };
+    supervisor.update(1.1, &held);
+    assert_eq!(supervisor.state(), State::Holding);
+    supervisor.request(2.0, Request::Engage { patient: false }, &held).unwrap();
+    assert_eq!(supervisor.wanted_mode(&held), Some(Mode::MANUAL));
+    supervisor.update(2.1, &good());
+    assert_eq!(supervisor.state(), State::Engaged);
+}
+
+#[test]
+fn stopping_leaves_the_pilots_own_mode_alone() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    supervisor.request(1.0, Request::Stop, &good()).unwrap();
+    assert_eq!((supervisor.duty(), supervisor.wanted_mode(&good())), (Duty::Neutral, None));
+    supervisor.update(1.1, &good());
+    assert_eq!(supervisor.state(), State::Stopped);
+    assert!(supervisor.take_release());
+    assert!(supervisor.request(2.0, Request::Engage { patient: false }, &good()).is_err());
+}
+
+#[test]
+fn stopping_does_not_leave_a_mode_behind_that_the_bridge_chose() {
+    let mut supervisor = Supervisor::new(GUIDED_BY_PILOT);
+    let hold = Conditions { mode: Some(Mode::HOLD), ..good() };
+    supervisor.update(0.0, &hold);
+    supervisor.request(0.0, Request::Engage { patient: false }, &hold).unwrap();
+    supervisor.update(0.0, &hold);
+    supervisor.update(0.1, &good());
+    assert_eq!(supervisor.state(), State::Engaged);
+    supervisor.request(1.0, Request::Stop, &good()).unwrap();
+    assert_eq!(supervisor.wanted_mode(&good()), Some(Mode::HOLD));
+}
+
+#[test]
+fn arms_only_where_allowed() {
+    let disarmed = Conditions { armed: false, ..good() };
+    let mut supervisor = Supervisor::new(GUIDED_BY_PILOT);
+    supervisor.update(0.0, &disarmed);
+    assert!(supervisor.request(0.0, Request::Engage { patient: false }, &disarmed).is_err());
+    supervisor.request(0.0, Request::Engage { patient: true }, &disarmed).unwrap();
+    supervisor.update(1.0, &disarmed);
+    assert_eq!((supervisor.state(), supervisor.wants_arming(&disarmed)), (State::Ready, false));
+    supervisor.update(2.0, &good());
+    assert_eq!(supervisor.state(), State::Engaging);
+
+    let mut supervisor = Supervisor::new(Policy { may_arm: true, ..GUIDED_BY_PILOT });
+    supervisor.update(0.0, &disarmed);
+    supervisor.request(0.0, Request::Engage { patient: false }, &disarmed).unwrap();
+    assert!(supervisor.wants_arming(&disarmed));
+    supervisor.update(31.0, &disarmed);
+    assert_eq!(supervisor.state(), State::Ready, "gave up");
+}
+
+#[test]
+fn a_chosen_mode_engages_only_when_it_is_chosen() {
+    let policy = Policy { drive_mode: Mode::GUIDED, engage_mode: Some(Mode::GUIDED), ..GUIDED_BY_PILOT };
+    let guided = Conditions { mode: Some(Mode::GUIDED), ..good() };
+    let mut supervisor = Supervisor::new(policy);
+    supervisor.update(0.0, &guided);
+    supervisor.update(1.0, &guided);
+    assert_eq!(supervisor.state(), State::Ready, "found in the mode, not told to");
+    supervisor.update(2.0, &good());
+    supervisor.update(3.0, &guided);
+    supervisor.update(3.1, &guided);
+    assert_eq!(supervisor.state(), State::Engaged);
+}
+
+#[test]
+fn transitions_are_reported_in_order() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    supervisor.update(1.0, &Conditions { mode: Some(Mode::AUTO), ..good() });
+    let reasons: Vec<Reason> = std::iter::from_fn(|| supervisor.poll_transition()).map(|t| t.reason).collect();
+    let expected =
+        [Reason::AllThere, Reason::ToldTo, Reason::InControl, Reason::PilotTookOver(Mode::AUTO)];
+    assert_eq!(reasons, expected);
+}

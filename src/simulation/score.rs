@@ -1,0 +1,261 @@
+//! How well a boat followed its mission, measured on its true position.
+
+use helmlink_mission::geodesy::NorthEast;
+use serde::Serialize;
+
+/// Samples this long after a change of leg count as settled, seconds.
+const SETTLED_AFTER_S: f64 = 40.0;
+/// Samples farther than this from every waypoint count as straight, metres.
+const STRAIGHT_BEYOND_M: f64 = 10.0;
+
+/// Root mean square, mean, 95th percentile and maximum of a set of absolute errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Root mean square.
+    pub rms: f64,
+    /// Mean.
+    pub mean: f64,
+    /// 95th percentile (nearest rank).
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// The figures of one run; lengths in metres, times in seconds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Score {
+    /// Duration from the first waypoint to the end.
+    pub duration_s: f64,
+    /// Distance driven over ground from the first waypoint on.
+    pub distance_m: f64,
+    /// Distance to the nearest point of the active leg or its neighbours.
+    pub cross_track_m: Option<Spread>,
+    /// The same, more than 40 s after a change of leg.
+    pub cross_track_settled_m: Option<Spread>,
+    /// The same, more than 10 m from every waypoint.
+    pub cross_track_straight_m: Option<Spread>,
+    /// Distance to the smoothed path that the controller was given.
+    pub path_error_m: Option<Spread>,
+    /// Root mean square of the difference between the speed over ground and the speed wanted, m/s.
+    pub speed_error_mps: SpeedError,
+    /// Total variation of the steering command (−1…1) per minute.
+    pub steering_variation_per_min: f64,
+    /// Mean of the squared throttle and steering commands, 0…2.
+    pub effort: f64,
+}
+
+/// Speed error over the samples of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SpeedError {
+    /// Root mean square, m/s.
+    pub rms: f64,
+}
+
+/// One instant of a run, after the first waypoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Simulated time.
+    pub time_s: f64,
+    /// True position of the hull, wave motion left out.
+    pub position: NorthEast,
+    /// True speed over ground.
+    pub speed_mps: f64,
+    /// Index of the leg that is being driven: leg i leads from waypoint i to waypoint i + 1.
+    pub leg: usize,
+    /// Distance to the smoothed path.
+    pub path_error_m: f64,
+    /// The speed that the mission wants here.
+    pub wanted_speed_mps: f64,
+    /// The steering command in force, −1…1.
+    pub steering: f64,
+    /// The throttle command in force, −1…1.
+    pub throttle: f64,
+}
+
+/// Collects samples and makes the figures.
+#[derive(Debug, Clone)]
+pub struct Scorer {
+    waypoints: Vec<NorthEast>,
+    leg_since: Option<(usize, f64)>,
+    first: Option<Sample>,
+    last: Option<Sample>,
+    distance_m: f64,
+    steering_variation: f64,
+    squared_effort: f64,
+    squared_speed_error: f64,
+    whole: Vec<f64>,
+    settled: Vec<f64>,
+    straight: Vec<f64>,
+    path: Vec<f64>,
+}
+
+impl Scorer {
+    /// A scorer for a mission over these waypoints.
+    pub fn new(waypoints: Vec<NorthEast>) -> Self {
+        Self {
+            waypoints,
+            leg_since: None,
+            first: None,
+            last: None,
+            distance_m: 0.0,
+            steering_variation: 0.0,
+            squared_effort: 0.0,
+            squared_speed_error: 0.0,
+            whole: Vec::new(),
+            settled: Vec::new(),
+            straight: Vec::new(),
+            path: Vec::new(),
+        }
+    }
+
+    /// Takes one sample; samples come at even intervals.
+    pub fn on_sample(&mut self, sample: Sample) {
+        let error_m = self.cross_track_m(sample.position, sample.leg);
+        self.whole.push(error_m);
+        if self.seconds_on_leg(&sample) > SETTLED_AFTER_S {
+            self.settled.push(error_m);
+        }
+        if self.waypoints.iter().all(|waypoint| (*waypoint - sample.position).norm() > STRAIGHT_BEYOND_M) {
+            self.straight.push(error_m);
+        }
+        self.path.push(sample.path_error_m);
+        self.squared_effort += sample.throttle.powi(2) + sample.steering.powi(2);
+        self.squared_speed_error += (sample.speed_mps - sample.wanted_speed_mps).powi(2);
+        if let Some(last) = self.last {
+            self.distance_m += (sample.position - last.position).norm();
+            self.steering_variation += (sample.steering - last.steering).abs();
+        }
+        self.first.get_or_insert(sample);
+        self.last = Some(sample);
+    }
+
+    /// The figures so far.
+    pub fn score(&self) -> Score {
+        let duration_s = match (self.first, self.last) {
+            (Some(first), Some(last)) => last.time_s - first.time_s,
+            _ => 0.0,
+        };
+        let samples = self.whole.len().max(1) as f64;
+        Score {
+            duration_s,
+            distance_m: self.distance_m,
+            cross_track_m: spread(&self.whole),
+            cross_track_settled_m: spread(&self.settled),
+            cross_track_straight_m: spread(&self.straight),
+            path_error_m: spread(&self.path),
+            speed_error_mps: SpeedError { rms: (self.squared_speed_error / samples).sqrt() },
+            steering_variation_per_min: self.steering_variation / (duration_s / 60.0).max(1.0 / 60.0),
+            effort: self.squared_effort / samples,
+        }
+    }
+
+    /// Distance to the nearest point of the active leg or its neighbours.
+    fn cross_track_m(&self, position: NorthEast, leg: usize) -> f64 {
+        let nearest = self
+            .waypoints
+            .windows(2)
+            .enumerate()
+            .filter(|(index, _)| index.abs_diff(leg) <= 1)
+            .map(|(_, ends)| distance_to_segment_m(position, ends[0], ends[1]))
+            .fold(f64::INFINITY, f64::min);
+        match (nearest.is_finite(), self.waypoints.first()) {
+            (true, _) => nearest,
+            (false, Some(only)) => (*only - position).norm(),
+            (false, None) => 0.0,
+        }
+    }
+
+    fn seconds_on_leg(&mut self, sample: &Sample) -> f64 {
+        match self.leg_since {
+            Some((leg, since_s)) if leg == sample.leg => sample.time_s - since_s,
+            _ => {
+                self.leg_since = Some((sample.leg, sample.time_s));
+                0.0
+            }
+        }
+    }
+}
+
+/// Distance from a point to a straight segment.
+pub fn distance_to_segment_m(point: NorthEast, from: NorthEast, to: NorthEast) -> f64 {
+    let along = to - from;
+    let length_squared = along.dot(along);
+    if length_squared == 0.0 {
+        return (point - from).norm();
+    }
+    let share = ((point - from).dot(along) / length_squared).clamp(0.0, 1.0);
+    (point - (from + along * share)).norm()
+}
+
+fn spread(errors: &[f64]) -> Option<Spread> {
+    if errors.is_empty() {
+        return None;
+    }
+    let mut sorted = errors.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let count = sorted.len() as f64;
+    let rank = (0.95 * count).ceil() as usize;
+    Some(Spread {
+        rms: (sorted.iter().map(|error| error * error).sum::<f64>() / count).sqrt(),
+        mean: sorted.iter().sum::<f64>() / count,
+        p95: sorted[rank.clamp(1, sorted.len()) - 1],
+        max: sorted[sorted.len() - 1],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(north_m: f64, east_m: f64) -> NorthEast {
+        NorthEast { north_m, east_m }
+    }
+
+    fn sample(time_s: f64, position: NorthEast, leg: usize, steering: f64) -> Sample {
+        Sample {
+            time_s,
+            position,
+            speed_mps: 1.0,
+            leg,
+            path_error_m: 0.0,
+            wanted_speed_mps: 1.5,
+            steering,
+            throttle: 0.5,
+        }
+    }
+
+    #[test]
+    fn figures_of_a_known_run() {
+        let mut scorer = Scorer::new(vec![at(0.0, 0.0), at(100.0, 0.0), at(100.0, 100.0)]);
+        for second in 0..=100 {
+            let steering = if second % 2 == 0 { 0.1 } else { -0.1 };
+            scorer.on_sample(sample(f64::from(second), at(f64::from(second), 2.0), 0, steering));
+        }
+        let score = scorer.score();
+        let whole = score.cross_track_m.unwrap();
+        // Near the corner the second leg is nearer than the first.
+        assert!((whole.max - 2.0).abs() < 1e-12 && whole.rms < 2.0 && whole.rms > 1.9);
+        assert_eq!(score.cross_track_settled_m.unwrap().p95, 2.0);
+        assert!((score.distance_m - 100.0).abs() < 1e-9);
+        assert!((score.steering_variation_per_min - 0.2 * 60.0).abs() < 1e-9);
+        assert!((score.speed_error_mps.rms - 0.5).abs() < 1e-12);
+        assert!((score.effort - 0.26).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_change_of_leg_unsettles() {
+        let mut scorer = Scorer::new(vec![at(0.0, 0.0), at(100.0, 0.0), at(100.0, 100.0)]);
+        for second in 0..60 {
+            scorer.on_sample(sample(f64::from(second), at(50.0, 1.0), usize::from(second >= 30), 0.0));
+        }
+        assert!(scorer.score().cross_track_settled_m.is_none());
+    }
+
+    #[test]
+    fn only_the_active_leg_and_its_neighbours_count() {
+        let points = vec![at(0.0, 0.0), at(100.0, 0.0), at(100.0, 10.0), at(0.0, 10.0)];
+        let scorer = Scorer::new(points);
+        assert!((scorer.cross_track_m(at(50.0, 9.0), 0) - 9.0).abs() < 1e-12);
+        assert!((scorer.cross_track_m(at(50.0, 9.0), 1) - 1.0).abs() < 1e-12);
+    }
+}

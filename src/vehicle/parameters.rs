@@ -1,0 +1,114 @@
+//! Reads from the flight controller the parameters that the outputs depend on.
+
+use std::time::Duration;
+
+use helmlink_wire::dialect::{CharArray, PARAM_REQUEST_READ_DATA, PARAM_VALUE_DATA};
+use helmlink_wire::{Identity, Message};
+
+/// A request is repeated after this long without an answer, in the vehicle's seconds.
+const TIMEOUT_S: f64 = 0.7;
+/// A parameter that has not been answered after this many requests does not exist there: ArduPilot keeps silent
+/// about names it does not know.
+const ATTEMPTS: u32 = 5;
+
+/// One parameter to be read.
+#[derive(Debug, Clone)]
+struct Wanted {
+    name: &'static str,
+    value: Option<f32>,
+    attempts: u32,
+    last_asked: Option<Duration>,
+}
+
+/// Reads a fixed list of parameters by name, and keeps up with changes announced later.
+#[derive(Debug, Clone)]
+pub struct ParameterReader {
+    wanted: Vec<Wanted>,
+}
+
+impl ParameterReader {
+    /// Will read `names` (at most 16 characters each).
+    pub fn new(names: &[&'static str]) -> Self {
+        let wanted = |&name| Wanted { name, value: None, attempts: 0, last_asked: None };
+        Self { wanted: names.iter().map(wanted).collect() }
+    }
+
+    /// Takes a PARAM_VALUE; true when it is one of ours and its value is new.
+    pub fn on_value(&mut self, data: &PARAM_VALUE_DATA) -> bool {
+        let Ok(name) = data.param_id.to_str() else { return false };
+        let Some(wanted) = self.wanted.iter_mut().find(|wanted| wanted.name == name) else { return false };
+        let is_new = data.param_value.is_finite() && wanted.value != Some(data.param_value);
+        if is_new {
+            wanted.value = Some(data.param_value);
+        }
+        is_new
+    }
+
+    /// The next request that is due; `clock_rate` is vehicle seconds per second of `now`.
+    pub fn poll(&mut self, now: Duration, clock_rate: f64, vehicle: Identity) -> Option<Message> {
+        let due = self.wanted.iter_mut().find(|wanted| {
+            let waiting = wanted
+                .last_asked
+                .is_some_and(|then| now.saturating_sub(then).as_secs_f64() * clock_rate < TIMEOUT_S);
+            wanted.value.is_none() && wanted.attempts < ATTEMPTS && !waiting
+        })?;
+        due.attempts += 1;
+        due.last_asked = Some(now);
+        Some(Message::PARAM_REQUEST_READ(PARAM_REQUEST_READ_DATA {
+            target_system: vehicle.system,
+            target_component: vehicle.component,
+            param_index: -1,
+            param_id: CharArray::from(due.name),
+        }))
+    }
+
+    /// Every parameter has been answered, or has been given up.
+    pub fn is_complete(&self) -> bool {
+        self.wanted.iter().all(|wanted| wanted.value.is_some() || wanted.attempts >= ATTEMPTS)
+    }
+
+    /// The value of `name`; `None` while unknown, and for ever when the vehicle does not have it.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.wanted.iter().find(|wanted| wanted.name == name).and_then(|wanted| wanted.value).map(f64::from)
+    }
+
+    /// Reads everything anew: after a reboot of the flight controller.
+    pub fn ask_again(&mut self) {
+        for wanted in &mut self.wanted {
+            (wanted.attempts, wanted.last_asked) = (0, None);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VEHICLE: Identity = Identity { system: 1, component: 1 };
+
+    fn value(name: &str, param_value: f32) -> PARAM_VALUE_DATA {
+        PARAM_VALUE_DATA { param_id: CharArray::from(name), param_value, ..PARAM_VALUE_DATA::DEFAULT }
+    }
+
+    #[test]
+    fn reads_retries_and_gives_up() {
+        let mut reader = ParameterReader::new(&["WP_SPEED", "NO_SUCH_PARAM"]);
+        let mut requests = 0;
+        for tenth in 0..100 {
+            let now = Duration::from_millis(tenth * 100);
+            while reader.poll(now, 1.0, VEHICLE).is_some() {
+                requests += 1;
+            }
+            if tenth == 10 {
+                assert!(reader.on_value(&value("WP_SPEED", 2.0)));
+            }
+        }
+        assert!(reader.is_complete());
+        assert_eq!(requests, 2 + ATTEMPTS);
+        assert_eq!(reader.value("WP_SPEED"), Some(2.0));
+        assert_eq!(reader.value("NO_SUCH_PARAM"), None);
+        assert!(!reader.on_value(&value("WP_SPEED", 2.0)), "nothing new");
+        assert!(!reader.on_value(&value("WP_SPEED", f32::NAN)));
+        assert!(reader.on_value(&value("WP_SPEED", 3.0)), "changed by somebody else");
+    }
+}

@@ -1,0 +1,133 @@
+//! Asks the flight controller for the messages that steering needs, and asks again when they stop.
+
+use std::time::Duration;
+
+use helmlink_wire::dialect::{COMMAND_LONG_DATA, MessageData};
+use helmlink_wire::{Identity, Message, dialect, enums};
+
+/// A request is repeated when its message has not come for this many of its intervals…
+const MISSING_INTERVALS: f64 = 10.0;
+/// …but not more often than this, in the vehicle's seconds. ArduRover drops requests that come before it has
+/// finished starting (measured on 4.6), so asking once is not enough.
+const REPEAT_S: f64 = 2.0;
+
+/// One message and how often it is wanted.
+#[derive(Debug, Clone)]
+struct Wanted {
+    message_id: u32,
+    interval_s: f64,
+    last_seen: Option<Duration>,
+    last_asked: Option<Duration>,
+}
+
+/// The bridge's message intervals on one vehicle.
+#[derive(Debug, Clone)]
+pub struct StreamRequests {
+    wanted: Vec<Wanted>,
+}
+
+impl StreamRequests {
+    /// Everything the bridge listens to: position, attitude and heartbeat every `control_interval_s`, the rest slower.
+    pub fn new(control_interval_s: f64) -> Self {
+        let wanted = |message_id, interval_s| Wanted { message_id, interval_s, last_seen: None, last_asked: None };
+        Self {
+            wanted: vec![
+                wanted(dialect::ATTITUDE_DATA::ID, control_interval_s),
+                wanted(dialect::GLOBAL_POSITION_INT_DATA::ID, control_interval_s),
+                // The heartbeat carries the mode: at 1 Hz a pilot who takes over would be noticed a second late.
+                wanted(dialect::HEARTBEAT_DATA::ID, control_interval_s),
+                wanted(dialect::EKF_STATUS_REPORT_DATA::ID, 0.5),
+                wanted(dialect::MISSION_CURRENT_DATA::ID, 0.5),
+                wanted(dialect::SYS_STATUS_DATA::ID, 1.0),
+            ],
+        }
+    }
+
+    /// Notes that a message has come.
+    pub fn on_message(&mut self, now: Duration, message_id: u32) {
+        if let Some(wanted) = self.wanted.iter_mut().find(|wanted| wanted.message_id == message_id) {
+            wanted.last_seen = Some(now);
+        }
+    }
+
+    /// The next request that is due, if any; `clock_rate` is vehicle seconds per second of `now`.
+    pub fn poll(&mut self, now: Duration, clock_rate: f64, vehicle: Identity) -> Option<Message> {
+        let age_s = |then: Duration| now.saturating_sub(then).as_secs_f64() * clock_rate;
+        let due = self.wanted.iter_mut().find(|wanted| {
+            let asked_lately = wanted.last_asked.is_some_and(|then| age_s(then) < REPEAT_S);
+            let limit_s = (MISSING_INTERVALS * wanted.interval_s).max(REPEAT_S);
+            let coming = wanted.last_asked.is_some() && wanted.last_seen.is_some_and(|then| age_s(then) < limit_s);
+            !asked_lately && !coming
+        })?;
+        due.last_asked = Some(now);
+        Some(set_message_interval(vehicle, due.message_id, due.interval_s))
+    }
+
+    /// Asks for everything again: after a reboot of the flight controller.
+    pub fn ask_again(&mut self) {
+        for wanted in &mut self.wanted {
+            wanted.last_asked = None;
+            wanted.last_seen = None;
+        }
+    }
+}
+
+/// MAV_CMD_SET_MESSAGE_INTERVAL.
+fn set_message_interval(vehicle: Identity, message_id: u32, interval_s: f64) -> Message {
+    command_long(vehicle, enums::MAV_CMD_SET_MESSAGE_INTERVAL, [message_id as f32, (interval_s * 1e6) as f32, 0.0])
+}
+
+/// COMMAND_LONG with its first three parameters; the others are zero.
+pub fn command_long(vehicle: Identity, command: u16, params: [f32; 3]) -> Message {
+    Message::COMMAND_LONG(COMMAND_LONG_DATA {
+        target_system: vehicle.system,
+        target_component: vehicle.component,
+        command,
+        param1: params[0],
+        param2: params[1],
+        param3: params[2],
+        ..COMMAND_LONG_DATA::DEFAULT
+    })
+}
+
+/// A request for a flight mode, as MAV_CMD_DO_SET_MODE, which is acknowledged (SET_MODE is not).
+pub fn set_mode(vehicle: Identity, mode: super::Mode) -> Message {
+    let custom = f32::from(enums::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
+    command_long(vehicle, enums::MAV_CMD_DO_SET_MODE, [custom, mode.0 as f32, 0.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VEHICLE: Identity = Identity { system: 1, component: 1 };
+
+    fn asked(streams: &mut StreamRequests, now: Duration) -> usize {
+        std::iter::from_fn(|| streams.poll(now, 1.0, VEHICLE)).count()
+    }
+
+    #[test]
+    fn asks_once_then_only_for_what_stopped() {
+        let mut streams = StreamRequests::new(0.04);
+        let all = asked(&mut streams, Duration::ZERO);
+        assert_eq!(all, 6);
+        for tenth in 1..100 {
+            let now = Duration::from_millis(tenth * 100);
+            for id in [0, 1, 30, 33, 42, 193] {
+                if id != 33 || tenth < 50 {
+                    streams.on_message(now, id);
+                }
+            }
+            let again = asked(&mut streams, now);
+            let expected = usize::from(tenth == 69 || tenth == 89);
+            assert_eq!(again, expected, "at {tenth} tenths of a second");
+        }
+    }
+
+    #[test]
+    fn a_default_rate_is_not_taken_for_an_answer() {
+        let mut streams = StreamRequests::new(0.04);
+        streams.on_message(Duration::ZERO, 30);
+        assert_eq!(asked(&mut streams, Duration::ZERO), 6);
+    }
+}
