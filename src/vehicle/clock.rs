@@ -1,72 +1,59 @@
-//! The flight controller's clock, as far as a listener can know it.
+//! Time at the vehicle's pace.
 
 use std::time::Duration;
 
 /// How much of the driver's time one estimate of the rate is taken over.
 const RATE_WINDOW: Duration = Duration::from_secs(2);
-/// A boot time that falls back by more than this means that the flight controller has restarted.
-const REBOOT_S: f64 = 1.0;
 /// Rates outside this range are measurement errors (a burst after a stall), not simulators run fast.
 const RATE_RANGE: (f64, f64) = (0.02, 1000.0);
+/// Rates this close to one are a real vehicle, whose clock is as good as ours.
+const REAL_TIME_TOLERANCE: f64 = 0.05;
 
-/// Keeps `time_boot_ms` running between messages.
+/// Turns the driver's clock into one that runs at the vehicle's pace.
 ///
 /// A simulated vehicle may run many times faster than the driver's clock. Every age limit of the bridge is
-/// meant in the vehicle's own time, so the ratio of the two clocks is measured and applied.
+/// meant in the vehicle's own time, so the ratio of the two clocks is measured on the vehicle's time stamps
+/// and applied. The result never runs backwards, whatever the vehicle's time stamps do.
 #[derive(Debug, Clone)]
 pub struct VehicleClock {
-    latest: Option<(Duration, f64)>,
+    driver: Duration,
+    paced: Duration,
     window_start: Option<(Duration, f64)>,
     rate: f64,
 }
 
-/// What a time stamp told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tick {
-    /// Time went on (or stood still).
-    Forward,
-    /// The flight controller has restarted.
-    Rebooted,
-}
-
 impl Default for VehicleClock {
     fn default() -> Self {
-        Self { latest: None, window_start: None, rate: 1.0 }
+        Self { driver: Duration::ZERO, paced: Duration::ZERO, window_start: None, rate: 1.0 }
     }
 }
 
 impl VehicleClock {
-    /// Takes a message's `time_boot_ms` (as seconds) that arrived at `now` of the driver's clock.
-    pub fn on_boot_time(&mut self, now: Duration, boot_s: f64) -> Tick {
-        if let Some((_, latest_s)) = self.latest
-            && boot_s < latest_s - REBOOT_S
-        {
-            *self = Self { latest: Some((now, boot_s)), window_start: Some((now, boot_s)), rate: self.rate };
-            return Tick::Rebooted;
+    /// The paced time at `now` of the driver's clock. Instants before the last one count as the last one.
+    pub fn advance(&mut self, now: Duration) -> Duration {
+        let elapsed = now.saturating_sub(self.driver);
+        self.driver = self.driver.max(now);
+        self.paced += elapsed.mul_f64(self.rate);
+        self.paced
+    }
+
+    /// Takes a time stamp of the vehicle, seconds since its boot, that arrived at the last instant given.
+    pub fn on_boot_time(&mut self, boot_s: f64) {
+        let (start, start_s) = *self.window_start.get_or_insert((self.driver, boot_s));
+        let elapsed = self.driver.saturating_sub(start);
+        if elapsed < RATE_WINDOW && boot_s >= start_s {
+            return;
         }
-        let (start, start_s) = *self.window_start.get_or_insert((now, boot_s));
-        let elapsed = now.saturating_sub(start);
-        if elapsed >= RATE_WINDOW {
-            let rate = (boot_s - start_s) / elapsed.as_secs_f64();
-            if rate > RATE_RANGE.0 && rate < RATE_RANGE.1 {
-                self.rate = rate;
-            }
-            self.window_start = Some((now, boot_s));
+        let rate = (boot_s - start_s) / elapsed.as_secs_f64();
+        if rate > RATE_RANGE.0 && rate < RATE_RANGE.1 {
+            self.rate = if (rate - 1.0).abs() < REAL_TIME_TOLERANCE { 1.0 } else { rate };
         }
-        if self.latest.is_none_or(|(_, latest_s)| boot_s >= latest_s) {
-            self.latest = Some((now, boot_s));
-        }
-        Tick::Forward
+        self.window_start = Some((self.driver, boot_s));
     }
 
     /// Vehicle seconds per second of the driver's clock: 1 for a real boat, N for a simulator at N times real time.
     pub fn rate(&self) -> f64 {
         self.rate
-    }
-
-    /// How long ago `then` was, in the vehicle's seconds.
-    pub fn age_s(&self, now: Duration, then: Duration) -> f64 {
-        now.saturating_sub(then).as_secs_f64() * self.rate
     }
 }
 
@@ -74,23 +61,30 @@ impl VehicleClock {
 mod tests {
     use super::*;
 
-    #[test]
-    fn follows_a_fast_simulator() {
-        let mut clock = VehicleClock::default();
-        for step in 0..500 {
-            let now = Duration::from_millis(step * 10);
-            assert_eq!(clock.on_boot_time(now, 100.0 + 8.0 * now.as_secs_f64()), Tick::Forward);
+    fn run(clock: &mut VehicleClock, from_ms: u64, to_ms: u64, rate: f64) {
+        for now in (from_ms..to_ms).step_by(10).map(Duration::from_millis) {
+            clock.advance(now);
+            clock.on_boot_time(100.0 + rate * now.as_secs_f64());
         }
-        assert!((clock.rate() - 8.0).abs() < 1e-6);
-        assert!((clock.age_s(Duration::from_secs(10), Duration::from_secs(9)) - 8.0).abs() < 1e-6);
     }
 
     #[test]
-    fn notices_a_reboot_but_not_reordering() {
+    fn keeps_pace_with_a_fast_simulator() {
         let mut clock = VehicleClock::default();
-        clock.on_boot_time(Duration::from_secs(1), 500.0);
-        assert_eq!(clock.on_boot_time(Duration::from_secs(2), 499.9), Tick::Forward);
-        assert_eq!(clock.on_boot_time(Duration::from_secs(3), 2.0), Tick::Rebooted);
-        assert_eq!(clock.on_boot_time(Duration::from_secs(4), 3.0), Tick::Forward);
+        run(&mut clock, 0, 3000, 8.0);
+        assert!((clock.rate() - 8.0).abs() < 1e-6);
+        let before = clock.advance(Duration::from_secs(10));
+        let after = clock.advance(Duration::from_secs(11));
+        assert!(((after - before).as_secs_f64() - 8.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_reboot_of_the_vehicle_does_not_turn_time_back() {
+        let mut clock = VehicleClock::default();
+        run(&mut clock, 0, 5000, 1.0);
+        let before = clock.advance(Duration::from_secs(5));
+        clock.on_boot_time(0.5);
+        assert!(clock.advance(Duration::from_millis(4900)) >= before);
+        assert_eq!(clock.rate(), 1.0);
     }
 }

@@ -5,8 +5,8 @@ use std::time::Duration;
 use helmlink_wire::dialect::{CharArray, PARAM_REQUEST_READ_DATA, PARAM_VALUE_DATA};
 use helmlink_wire::{Identity, Message};
 
-/// A request is repeated after this long without an answer, in the vehicle's seconds.
-const TIMEOUT_S: f64 = 0.7;
+/// A request is repeated after this long without an answer.
+const TIMEOUT: Duration = Duration::from_millis(700);
 /// A parameter that has not been answered after this many requests does not exist there: ArduPilot keeps silent
 /// about names it does not know.
 const ATTEMPTS: u32 = 5;
@@ -44,12 +44,10 @@ impl ParameterReader {
         is_new
     }
 
-    /// The next request that is due; `clock_rate` is vehicle seconds per second of `now`.
-    pub fn poll(&mut self, now: Duration, clock_rate: f64, vehicle: Identity) -> Option<Message> {
+    /// The next request that is due.
+    pub fn poll(&mut self, now: Duration, vehicle: Identity) -> Option<Message> {
         let due = self.wanted.iter_mut().find(|wanted| {
-            let waiting = wanted
-                .last_asked
-                .is_some_and(|then| now.saturating_sub(then).as_secs_f64() * clock_rate < TIMEOUT_S);
+            let waiting = wanted.last_asked.is_some_and(|then| now.saturating_sub(then) < TIMEOUT);
             wanted.value.is_none() && wanted.attempts < ATTEMPTS && !waiting
         })?;
         due.attempts += 1;
@@ -96,7 +94,7 @@ mod tests {
         let mut requests = 0;
         for tenth in 0..100 {
             let now = Duration::from_millis(tenth * 100);
-            while reader.poll(now, 1.0, VEHICLE).is_some() {
+            while reader.poll(now, VEHICLE).is_some() {
                 requests += 1;
             }
             if tenth == 10 {

@@ -7,7 +7,7 @@ use helmlink_wire::{Identity, Message, dialect, enums};
 
 /// A request is repeated when its message has not come for this many of its intervals…
 const MISSING_INTERVALS: f64 = 10.0;
-/// …but not more often than this, in the vehicle's seconds. ArduRover drops requests that come before it has
+/// …but not more often than this. ArduRover drops requests that come before it has
 /// finished starting (measured on 4.6), so asking once is not enough.
 const REPEAT_S: f64 = 2.0;
 
@@ -50,9 +50,9 @@ impl StreamRequests {
         }
     }
 
-    /// The next request that is due, if any; `clock_rate` is vehicle seconds per second of `now`.
-    pub fn poll(&mut self, now: Duration, clock_rate: f64, vehicle: Identity) -> Option<Message> {
-        let age_s = |then: Duration| now.saturating_sub(then).as_secs_f64() * clock_rate;
+    /// The next request that is due, if any.
+    pub fn poll(&mut self, now: Duration, vehicle: Identity) -> Option<Message> {
+        let age_s = |then: Duration| now.saturating_sub(then).as_secs_f64();
         let due = self.wanted.iter_mut().find(|wanted| {
             let asked_lately = wanted.last_asked.is_some_and(|then| age_s(then) < REPEAT_S);
             let limit_s = (MISSING_INTERVALS * wanted.interval_s).max(REPEAT_S);
@@ -103,7 +103,7 @@ mod tests {
     const VEHICLE: Identity = Identity { system: 1, component: 1 };
 
     fn asked(streams: &mut StreamRequests, now: Duration) -> usize {
-        std::iter::from_fn(|| streams.poll(now, 1.0, VEHICLE)).count()
+        std::iter::from_fn(|| streams.poll(now, VEHICLE)).count()
     }
 
     #[test]

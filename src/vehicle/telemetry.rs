@@ -1,4 +1,6 @@
 //! The latest of each message that matters to steering, with its age.
+//!
+//! `now` is time at the vehicle's pace, as [`super::VehicleClock`] gives it.
 
 use std::time::Duration;
 
@@ -6,10 +8,9 @@ use helmlink_mission::geodesy::Geodetic;
 use helmlink_wire::dialect::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA};
 use helmlink_wire::{Identity, Message, enums};
 
-use super::clock::{Tick, VehicleClock};
 use super::modes::Mode;
 
-/// A value and when it arrived on the driver's clock.
+/// A value and when it arrived.
 #[derive(Debug, Clone, Copy)]
 pub struct Stamped<T> {
     /// What was said.
@@ -75,8 +76,6 @@ pub enum Update {
 /// Everything known of one vehicle from what it sends.
 #[derive(Debug, Clone, Default)]
 pub struct Telemetry {
-    /// The flight controller's clock.
-    pub clock: VehicleClock,
     /// The last HEARTBEAT.
     pub heartbeat: Option<Stamped<Heartbeat>>,
     /// The last ATTITUDE.
@@ -87,10 +86,14 @@ pub struct Telemetry {
     pub ekf_flags: Option<Stamped<u16>>,
     /// The sequence number in the last MISSION_CURRENT.
     pub mission_current: Option<Stamped<u16>>,
+    /// The newest time stamp, seconds since the flight controller's boot.
+    pub boot_s: Option<f64>,
     /// Messages refused because a value in them was not a number.
     pub refused: u64,
 }
 
+/// A boot time that falls back by more than this means that the flight controller has restarted.
+const REBOOT_S: f64 = 1.0;
 /// Estimator flags without which a boat must not be steered by its position: heading and horizontal position.
 const EKF_NEEDED: u16 = enums::EKF_ATTITUDE | enums::EKF_POS_HORIZ_ABS;
 
@@ -123,8 +126,7 @@ impl Telemetry {
             return Update::None;
         }
         let boot_s = f64::from(data.time_boot_ms) / 1000.0;
-        if self.clock.on_boot_time(now, boot_s) == Tick::Rebooted {
-            self.forget();
+        if self.has_rebooted(boot_s) {
             return Update::Rebooted;
         }
         self.attitude =
@@ -134,8 +136,7 @@ impl Telemetry {
 
     fn on_position(&mut self, now: Duration, data: &GLOBAL_POSITION_INT_DATA) -> Update {
         let boot_s = f64::from(data.time_boot_ms) / 1000.0;
-        if self.clock.on_boot_time(now, boot_s) == Tick::Rebooted {
-            self.forget();
+        if self.has_rebooted(boot_s) {
             return Update::Rebooted;
         }
         // Before its first fix ArduPilot sends zero degrees for both.
@@ -148,29 +149,33 @@ impl Telemetry {
         Update::Position(boot_s)
     }
 
-    fn forget(&mut self) {
-        let clock = self.clock.clone();
-        let heartbeat = self.heartbeat;
-        *self = Self { clock, heartbeat, refused: self.refused, ..Self::default() };
+    /// A time stamp far behind the newest one: everything known of the time before is forgotten.
+    fn has_rebooted(&mut self, boot_s: f64) -> bool {
+        let rebooted = self.boot_s.is_some_and(|newest_s| boot_s < newest_s - REBOOT_S);
+        if rebooted {
+            *self = Self { heartbeat: self.heartbeat, refused: self.refused, ..Self::default() };
+        }
+        self.boot_s = Some(self.boot_s.map_or(boot_s, |newest_s| newest_s.max(boot_s)));
+        rebooted
     }
 
-    /// Age of the last heartbeat in the vehicle's seconds; infinite before the first.
+    /// Age of the last heartbeat in seconds; infinite before the first.
     pub fn heartbeat_age_s(&self, now: Duration) -> f64 {
-        self.age_s(now, self.heartbeat.map(|heartbeat| heartbeat.received))
+        Self::age_s(now, self.heartbeat.map(|heartbeat| heartbeat.received))
     }
 
-    /// Age of the last position in the vehicle's seconds; infinite before the first.
+    /// Age of the last position in seconds; infinite before the first.
     pub fn position_age_s(&self, now: Duration) -> f64 {
-        self.age_s(now, self.position.map(|position| position.received))
+        Self::age_s(now, self.position.map(|position| position.received))
     }
 
-    /// Age of the last heading in the vehicle's seconds; infinite before the first.
+    /// Age of the last heading in seconds; infinite before the first.
     pub fn heading_age_s(&self, now: Duration) -> f64 {
-        self.age_s(now, self.attitude.map(|attitude| attitude.received))
+        Self::age_s(now, self.attitude.map(|attitude| attitude.received))
     }
 
-    fn age_s(&self, now: Duration, received: Option<Duration>) -> f64 {
-        received.map_or(f64::INFINITY, |then| self.clock.age_s(now, then))
+    fn age_s(now: Duration, received: Option<Duration>) -> f64 {
+        received.map_or(f64::INFINITY, |then| now.saturating_sub(then).as_secs_f64())
     }
 
     /// The estimator vouches for heading and absolute position. ArduRover accepts arming some twenty seconds
