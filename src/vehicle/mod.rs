@@ -6,6 +6,7 @@
 //! | [`telemetry`] | the latest of each message that matters, with its age |
 //! | [`clock`] | the flight controller's clock, kept running between messages |
 //! | [`cadence`] | when enough new telemetry has come for one control step |
+//! | [`estimate`] | the boat's state at one instant |
 //! | [`parameters`] | reads the parameters that the outputs depend on |
 //! | [`streams`] | asks for the messages that the bridge needs, and asks again when they stop |
 //! | [`output`] | a steering and throttle command as MAVLink, and how to let go again |
@@ -14,6 +15,7 @@
 
 pub mod cadence;
 pub mod clock;
+pub mod estimate;
 pub mod modes;
 pub mod output;
 pub mod parameters;

@@ -1,0 +1,180 @@
+//! The bridge's peers: one framer, one encoder each, and everything that is to be sent.
+
+use std::collections::VecDeque;
+use std::fmt::Write;
+use std::time::Duration;
+
+use helmlink_wire::{Encoder, Framer, Identity, LinkId, LinkStatistics, Message, tlog};
+use sha2::{Digest, Sha256};
+
+/// Frames waiting for the driver beyond this number are dropped, oldest first: they would be stale anyway.
+const OUTBOX_LIMIT: usize = 4096;
+
+/// One peer.
+#[derive(Debug)]
+struct Link {
+    id: LinkId,
+    framer: Framer,
+    encoder: Encoder,
+    last_bytes: Duration,
+}
+
+/// All peers of a bridge.
+#[derive(Debug)]
+pub(super) struct Links {
+    links: Vec<Link>,
+    outbox: VecDeque<(LinkId, Vec<u8>)>,
+    commands: Sha256,
+    command_count: u64,
+    journal: Option<Journal>,
+    listen_only: bool,
+}
+
+/// What was received and sent, as telemetry log records, until the driver writes them away.
+#[derive(Debug)]
+struct Journal {
+    unix_start_us: u64,
+    records: Vec<u8>,
+}
+
+impl Journal {
+    fn record(&mut self, now: Duration, frame: &[u8]) {
+        let time_us = self.unix_start_us.saturating_add(now.as_micros() as u64);
+        tlog::append_record(&mut self.records, time_us, frame);
+    }
+}
+
+impl Links {
+    pub(super) fn new(listen_only: bool) -> Self {
+        Self {
+            links: Vec::new(),
+            outbox: VecDeque::new(),
+            commands: Sha256::new(),
+            command_count: 0,
+            journal: None,
+            listen_only,
+        }
+    }
+
+    pub(super) fn keep_journal(&mut self, unix_start_us: u64) {
+        self.journal = Some(Journal { unix_start_us, records: Vec::new() });
+    }
+
+    pub(super) fn take_journal(&mut self) -> Vec<u8> {
+        self.journal.as_mut().map(|journal| std::mem::take(&mut journal.records)).unwrap_or_default()
+    }
+
+    pub(super) fn add(&mut self, now: Duration, id: LinkId) {
+        if self.position(id).is_none() {
+            self.links.push(Link { id, framer: Framer::new(), encoder: Encoder::new(), last_bytes: now });
+        }
+    }
+
+    pub(super) fn remove(&mut self, id: LinkId) {
+        self.links.retain(|link| link.id != id);
+        self.outbox.retain(|(to, _)| *to != id);
+    }
+
+    pub(super) fn ids(&self) -> impl Iterator<Item = LinkId> + '_ {
+        self.links.iter().map(|link| link.id)
+    }
+
+    pub(super) fn statistics(&self, id: LinkId) -> Option<LinkStatistics> {
+        self.links.iter().find(|link| link.id == id).map(|link| *link.framer.statistics())
+    }
+
+    fn position(&self, id: LinkId) -> Option<usize> {
+        self.links.iter().position(|link| link.id == id)
+    }
+
+    /// Takes bytes of one peer in; the frames in them come out of [`Self::next_message`].
+    pub(super) fn push(&mut self, now: Duration, id: LinkId, bytes: &[u8], is_datagram: bool) {
+        self.add(now, id);
+        if let Some(link) = self.links.iter_mut().find(|link| link.id == id) {
+            link.framer.push(bytes);
+            link.last_bytes = now;
+            if is_datagram {
+                link.framer.end_of_datagram();
+            }
+        }
+    }
+
+    /// Bytes that have been lying in a framer for a while cannot be the start of a frame: looks behind them.
+    pub(super) fn flush_idle(&mut self, now: Duration) {
+        for link in &mut self.links {
+            if now.saturating_sub(link.last_bytes) >= helmlink_wire::framer::IDLE_FLUSH {
+                link.framer.end_of_datagram();
+                link.last_bytes = now;
+            }
+        }
+    }
+
+    /// The next message of this peer, with who sent it.
+    pub(super) fn next_message(&mut self, now: Duration, id: LinkId) -> Option<(Identity, Message)> {
+        let link = self.links.iter_mut().find(|link| link.id == id)?;
+        while let Some(frame) = link.framer.next_frame() {
+            if let Some(journal) = &mut self.journal {
+                journal.record(now, frame.bytes());
+            }
+            if let Ok(message) = frame.decode() {
+                return Some((frame.identity(), message));
+            }
+        }
+        None
+    }
+
+    /// Sends one message on one link.
+    pub(super) fn send(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
+        self.encode(now, to, from, message);
+    }
+
+    /// Sends one message on every link.
+    pub(super) fn broadcast(&mut self, now: Duration, from: Identity, message: &Message) {
+        let all: Vec<LinkId> = self.ids().collect();
+        for id in all {
+            self.encode(now, id, from, message);
+        }
+    }
+
+    /// Sends one message that steers the boat, and counts it into the digest.
+    pub(super) fn command(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
+        let before = self.outbox.len();
+        self.encode(now, to, from, message);
+        if self.outbox.len() > before
+            && let Some((_, frame)) = self.outbox.back()
+        {
+            self.commands.update(frame);
+            self.command_count += 1;
+        }
+    }
+
+    fn encode(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
+        if self.listen_only {
+            return;
+        }
+        let Some(link) = self.links.iter_mut().find(|link| link.id == to) else { return };
+        if self.outbox.len() >= OUTBOX_LIMIT {
+            self.outbox.pop_front();
+        }
+        let mut frame = Vec::with_capacity(64);
+        link.encoder.encode(from, message, &mut frame);
+        if let Some(journal) = &mut self.journal {
+            journal.record(now, &frame);
+        }
+        self.outbox.push_back((to, frame));
+    }
+
+    pub(super) fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.outbox.pop_front()
+    }
+
+    /// SHA-256 of every steering frame sent so far, in order, as hexadecimal digits; and their number.
+    pub(super) fn commands_digest(&self) -> (String, u64) {
+        let digest = self.commands.clone().finalize();
+        let hex = digest.iter().fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        });
+        (hex, self.command_count)
+    }
+}

@@ -1,0 +1,123 @@
+//! Gets the mission, and notices when another one is on board.
+
+use std::time::Duration;
+
+use helmlink_mission::plan::Mission;
+use helmlink_mission::protocol::client::Download;
+use helmlink_mission::route::Route;
+use helmlink_wire::{Identity, Message};
+
+use super::settings::MissionSource;
+
+/// How long to wait before an empty, unusable or failed mission is asked for again.
+const RETRY: Duration = Duration::from_secs(5);
+
+/// What became of a mission.
+#[derive(Debug)]
+pub(super) enum News {
+    /// A mission that can be driven.
+    Loaded(Route),
+    /// There is none, or none that can be driven: why.
+    Unusable(String),
+}
+
+/// Owns the mission's way from its source to the pilot.
+#[derive(Debug)]
+pub(super) struct MissionKeeper {
+    from_vehicle: bool,
+    given: Option<Mission>,
+    download: Option<Download>,
+    loaded: Option<Mission>,
+    retry_at: Duration,
+    complaint: Option<String>,
+}
+
+impl MissionKeeper {
+    pub(super) fn new(source: &MissionSource) -> Self {
+        let (from_vehicle, given) = match source {
+            MissionSource::Vehicle => (true, None),
+            MissionSource::Given(mission) => (false, Some(mission.clone())),
+        };
+        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO, complaint: None }
+    }
+
+    /// A mission is there, and no newer one is being read.
+    pub(super) fn is_ready(&self) -> bool {
+        self.loaded.is_some() && self.download.is_none()
+    }
+
+    /// The mission that is being driven.
+    pub(super) fn mission(&self) -> Option<&Mission> {
+        self.loaded.as_ref()
+    }
+
+    /// Reads the mission again: before engaging, since another may have been uploaded meanwhile.
+    pub(super) fn refresh(&mut self, now: Duration, own: Identity, vehicle: Identity) {
+        if self.from_vehicle && self.download.is_none() {
+            self.download = Some(Download::new(now, own, vehicle));
+        }
+    }
+
+    /// The vehicle says how many items its mission has (home not counted): a different number is a new mission.
+    pub(super) fn on_total(&mut self, now: Duration, total: u16, own: Identity, vehicle: Identity) {
+        let known = self.loaded.as_ref().map_or(0, |mission| mission.items.len());
+        // 65535: the vehicle does not say.
+        if total != u16::MAX && usize::from(total) != known && now >= self.retry_at {
+            self.refresh(now, own, vehicle);
+        }
+    }
+
+    pub(super) fn on_message(&mut self, now: Duration, from: Identity, message: &Message) {
+        if let Some(download) = &mut self.download {
+            download.on_message(now, from, message);
+        }
+    }
+
+    /// The vehicle has gone or restarted.
+    pub(super) fn on_vehicle_lost(&mut self) {
+        self.download = None;
+        self.retry_at = Duration::ZERO;
+    }
+
+    /// The next message to send, if any.
+    pub(super) fn poll(&mut self, now: Duration, own: Identity, vehicle: Identity) -> Option<Message> {
+        if self.loaded.is_none() && self.download.is_none() && now >= self.retry_at {
+            self.refresh(now, own, vehicle);
+        }
+        self.download.as_mut().and_then(|download| download.poll(now))
+    }
+
+    /// What has become of the mission since the last call.
+    pub(super) fn poll_news(&mut self, now: Duration) -> Option<News> {
+        if let Some(given) = self.given.take() {
+            return Some(self.take_over(now, given));
+        }
+        let outcome = self.download.as_ref()?.outcome()?;
+        self.download = None;
+        match outcome {
+            Ok(mission) if self.loaded.as_ref() == Some(&mission) => None,
+            Ok(mission) => Some(self.take_over(now, mission)),
+            Err(error) => Some(self.unusable(now, format!("the mission could not be read: {error}"))),
+        }
+    }
+
+    fn take_over(&mut self, now: Duration, mission: Mission) -> News {
+        match Route::from_mission(&mission) {
+            Ok(route) => {
+                self.loaded = Some(mission);
+                self.complaint = None;
+                News::Loaded(route)
+            }
+            Err(error) => {
+                self.loaded = None;
+                self.unusable(now, error.to_string())
+            }
+        }
+    }
+
+    fn unusable(&mut self, now: Duration, complaint: String) -> News {
+        self.retry_at = now + RETRY;
+        self.complaint = Some(complaint.clone());
+        News::Unusable(complaint)
+    }
+}

@@ -1,0 +1,509 @@
+//! The bridge between a flight controller and the pilot, without input or output of its own.
+//!
+//! Bytes come in by [`Bridge::on_bytes`], time by every call, bytes go out by [`Bridge::poll_transmit`]. The same
+//! bridge runs behind sockets, inside the simulation and on a recorded log. The control loop steps when new
+//! telemetry has come, so the commands depend on nothing but the bytes received.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`settings`] | what the user decides beforehand |
+//! | [`status`] | what the bridge tells its surroundings |
+//! | `links` | peers, sequence numbers, the journal, the digest of all commands |
+//! | `mission` | gets the mission, and notices another one |
+//! | `commands` | commands to the bridge itself |
+//! | `follow` | keeps the flight controller's current item and the bridge's the same |
+//! | `steering` | one control step: supervise, compute, send |
+//! | `reporting` | heartbeat, progress and messages for the ground station |
+
+mod commands;
+mod follow;
+mod links;
+mod mission;
+mod reporting;
+pub mod settings;
+pub mod status;
+mod steering;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use helmlink_wire::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet};
+use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
+
+pub use settings::{BridgeSettings, MissionSource};
+pub use status::{Event, Status};
+
+use self::commands::{Command, Order};
+use self::follow::CurrentItem;
+use self::links::Links;
+use self::mission::{MissionKeeper, News};
+use self::reporting::Reporter;
+use self::steering::Steering;
+use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
+use crate::pilot::{MissionRun, RunSettings};
+use crate::vehicle::output::{self, Output};
+use crate::vehicle::telemetry::{Sender, Update, classify};
+use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
+
+/// How often a driver should call [`Bridge::on_tick`], on its own clock.
+pub const TICK: Duration = Duration::from_millis(20);
+/// Time between two looks at requests and time-outs, at the vehicle's pace.
+const HOUSEKEEPING: Duration = Duration::from_millis(10);
+/// Time between two requests for a mode or for arming.
+const REQUEST_REPEAT: Duration = Duration::from_millis(700);
+/// A flight controller that shows up on another link is followed there when the old link has been silent this long.
+const MOVE_AFTER_S: f64 = 3.0;
+/// Events that nobody has taken beyond this number are dropped.
+const EVENT_LIMIT: usize = 1000;
+
+/// The flight controller that is being steered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Vehicle {
+    link: LinkId,
+    id: Identity,
+}
+
+/// Steers one boat through its flight controller.
+pub struct Bridge {
+    settings: BridgeSettings,
+    links: Links,
+    clock: VehicleClock,
+    driver_now: Duration,
+    now: Duration,
+    last_housekeeping: Option<Duration>,
+    vehicle: Option<Vehicle>,
+    refusal: Option<String>,
+    telemetry: Telemetry,
+    cadence: Cadence,
+    streams: StreamRequests,
+    parameters: ParameterReader,
+    output: Output,
+    output_ready: bool,
+    mission: MissionKeeper,
+    run: Option<MissionRun>,
+    current: CurrentItem,
+    supervisor: Supervisor,
+    steering: Steering,
+    reporter: Reporter,
+    last_request: Option<Duration>,
+    events: VecDeque<Event>,
+}
+
+impl Bridge {
+    /// A bridge that has not heard anything yet.
+    pub fn new(settings: BridgeSettings) -> Self {
+        let policy = Policy {
+            drive_mode: settings.output.mode(),
+            engage_mode: settings.engage_mode,
+            may_arm: settings.may_arm,
+            end_mode: settings.end_mode,
+            limits: settings.limits,
+        };
+        let mut bridge = Self {
+            links: Links::new(settings.shadow),
+            clock: VehicleClock::default(),
+            driver_now: Duration::ZERO,
+            now: Duration::ZERO,
+            last_housekeeping: None,
+            vehicle: None,
+            refusal: None,
+            telemetry: Telemetry::default(),
+            cadence: Cadence::new(settings.control_interval_s),
+            streams: StreamRequests::new(settings.control_interval_s),
+            parameters: ParameterReader::new(&output::PARAMETERS),
+            output: Output::new(settings.output),
+            // A shadow asks nothing, so there is nothing to wait for.
+            output_ready: settings.shadow,
+            mission: MissionKeeper::new(&settings.mission),
+            run: None,
+            current: CurrentItem::default(),
+            supervisor: Supervisor::new(policy),
+            steering: Steering::default(),
+            reporter: Reporter::default(),
+            last_request: None,
+            events: VecDeque::new(),
+            settings,
+        };
+        if bridge.settings.engage {
+            bridge.request(Duration::ZERO, Request::Engage { patient: true }).ok();
+        }
+        bridge
+    }
+
+    /// Keeps everything received and sent for [`Self::take_journal`]; the driver's time zero is
+    /// `unix_start_us` microseconds after the Unix epoch.
+    pub fn keep_journal(&mut self, unix_start_us: u64) {
+        self.links.keep_journal(unix_start_us);
+    }
+
+    /// Telemetry log records since the last call.
+    pub fn take_journal(&mut self) -> Vec<u8> {
+        self.links.take_journal()
+    }
+
+    /// A peer has appeared. It hears from the bridge at once.
+    pub fn link_up(&mut self, now: Duration, link: LinkId) {
+        self.advance(now);
+        self.links.add(now, link);
+        self.send_heartbeat();
+    }
+
+    /// A peer has gone.
+    pub fn link_down(&mut self, now: Duration, link: LinkId) {
+        self.advance(now);
+        self.links.remove(link);
+        if self.vehicle.is_some_and(|vehicle| vehicle.link == link) {
+            self.event(enums::MAV_SEVERITY_WARNING, "the link to the flight controller went down");
+            self.forget_vehicle();
+            self.supervise();
+        }
+    }
+
+    /// Bytes of a peer have arrived; `is_datagram` when they are one whole datagram.
+    pub fn on_bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        self.advance(now);
+        self.housekeeping();
+        self.links.push(now, link, bytes, is_datagram);
+        self.drain(link);
+    }
+
+    /// Time has passed. Call it every [`TICK`].
+    pub fn on_tick(&mut self, now: Duration) {
+        self.advance(now);
+        self.links.flush_idle(now);
+        let links: Vec<LinkId> = self.links.ids().collect();
+        for link in links {
+            self.drain(link);
+        }
+        self.housekeeping();
+    }
+
+    /// The next frame to send, and to whom.
+    pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.links.poll_transmit()
+    }
+
+    /// The next line for the log.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// Asks something of the bridge, as the user at its console.
+    ///
+    /// # Errors
+    /// Why it will not be done.
+    pub fn request(&mut self, now: Duration, request: Request) -> Result<(), &'static str> {
+        self.advance(now);
+        if matches!(request, Request::Engage { .. })
+            && let Some(vehicle) = self.vehicle
+        {
+            self.mission.refresh(self.now, self.own(vehicle.id), vehicle.id);
+        }
+        let conditions = self.conditions();
+        let answer = self.supervisor.request(self.now.as_secs_f64(), request, &conditions);
+        self.supervise();
+        answer
+    }
+
+    /// The bridge at this instant.
+    pub fn status(&self) -> Status {
+        Status {
+            state: self.supervisor.state(),
+            vehicle: self.vehicle.map(|vehicle| vehicle.id),
+            mode: self.telemetry.mode(),
+            armed: self.telemetry.is_armed(),
+            progress: self.run.as_ref().map(MissionRun::progress),
+            demand: self.steering.demand,
+            diagnostics: self.steering.diagnostics,
+            steps: self.steering.steps,
+        }
+    }
+
+    /// The mission being driven, once there is one.
+    pub fn run(&self) -> Option<&MissionRun> {
+        self.run.as_ref()
+    }
+
+    /// Why this vehicle cannot be steered at all, if so.
+    pub fn refusal(&self) -> Option<&str> {
+        self.refusal.as_deref()
+    }
+
+    /// What a link has carried and lost.
+    pub fn statistics(&self, link: LinkId) -> Option<LinkStatistics> {
+        self.links.statistics(link)
+    }
+
+    /// SHA-256 of every steering frame sent so far, in order, and their number.
+    pub fn commands_digest(&self) -> (String, u64) {
+        self.links.commands_digest()
+    }
+
+    fn advance(&mut self, now: Duration) {
+        self.driver_now = self.driver_now.max(now);
+        self.now = self.clock.advance(now);
+    }
+
+    fn own(&self, vehicle: Identity) -> Identity {
+        Identity { system: vehicle.system, component: settings::COMPONENT }
+    }
+
+    fn drain(&mut self, link: LinkId) {
+        while let Some((from, message)) = self.links.next_message(self.driver_now, link) {
+            self.on_message(link, from, &message);
+        }
+    }
+
+    fn on_message(&mut self, link: LinkId, from: Identity, message: &Message) {
+        if let Message::HEARTBEAT(heartbeat) = message {
+            self.meet(link, from, heartbeat);
+        }
+        let Some(vehicle) = self.vehicle else { return };
+        if from == vehicle.id && link == vehicle.link {
+            self.on_vehicle_message(vehicle, message);
+        }
+        self.on_order(link, from, vehicle, message);
+    }
+
+    /// Somebody says that he is there: perhaps the flight controller.
+    fn meet(&mut self, link: LinkId, from: Identity, heartbeat: &HEARTBEAT_DATA) {
+        match (classify(from, heartbeat), self.vehicle) {
+            (Sender::Boat, None) => self.adopt(Vehicle { link, id: from }),
+            (Sender::Boat, Some(known)) if known.id == from && known.link != link => {
+                if self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S {
+                    self.adopt(Vehicle { link, id: from });
+                }
+            }
+            (Sender::WrongVehicle(kind, autopilot), None) if self.refusal.is_none() => {
+                let text = format!(
+                    "system {} is no boat or rover run by ArduPilot (MAV_TYPE {kind}, MAV_AUTOPILOT {autopilot}): \
+                     helmlink steers only those; connect it to the boat's flight controller, or set FRAME_CLASS to boat",
+                    from.system
+                );
+                self.refusal = Some(text.clone());
+                self.event(enums::MAV_SEVERITY_ERROR, text);
+            }
+            _ => {}
+        }
+    }
+
+    fn adopt(&mut self, vehicle: Vehicle) {
+        self.forget_vehicle();
+        self.vehicle = Some(vehicle);
+        self.refusal = None;
+        let text = format!("found the flight controller: system {}", vehicle.id.system);
+        self.event(enums::MAV_SEVERITY_INFO, text);
+    }
+
+    fn forget_vehicle(&mut self) {
+        self.vehicle = None;
+        self.telemetry = Telemetry::default();
+        self.ask_again();
+    }
+
+    /// The flight controller is new or has restarted: nothing that was asked of it still holds.
+    fn ask_again(&mut self) {
+        self.streams.ask_again();
+        self.parameters.ask_again();
+        self.output_ready = self.settings.shadow;
+        self.mission.on_vehicle_lost();
+        self.current.clear();
+    }
+
+    fn on_vehicle_message(&mut self, vehicle: Vehicle, message: &Message) {
+        self.streams.on_message(self.now, message.message_id());
+        let update = self.telemetry.on_message(self.now, message);
+        let own = self.own(vehicle.id);
+        match message {
+            Message::PARAM_VALUE(data) => {
+                if self.parameters.on_value(data) && self.output_ready {
+                    self.configure_output();
+                }
+            }
+            Message::MISSION_CURRENT(data) => {
+                self.mission.on_total(self.now, data.total, own, vehicle.id);
+                if let Some(item) = self.current.on_current(data.seq) {
+                    self.jump_to_item(item);
+                }
+            }
+            Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::COMMAND_ACK(data) => self.on_ack(own, data),
+            _ => self.mission.on_message(self.now, vehicle.id, message),
+        }
+        match update {
+            Update::None => {}
+            Update::Heartbeat => self.supervise(),
+            Update::Rebooted => {
+                self.event(enums::MAV_SEVERITY_WARNING, "the flight controller has restarted");
+                self.ask_again();
+                self.supervise();
+            }
+            Update::Attitude(boot_s) => {
+                self.clock.on_boot_time(boot_s);
+                if self.cadence.on_attitude(boot_s) {
+                    self.control_step();
+                }
+            }
+            Update::Position(boot_s) => {
+                if self.cadence.on_position(boot_s) {
+                    self.control_step();
+                }
+            }
+        }
+    }
+
+    /// Commands and requests to the bridge itself, from anybody.
+    fn on_order(&mut self, link: LinkId, from: Identity, vehicle: Vehicle, message: &Message) {
+        let own = self.own(vehicle.id);
+        if let Message::MISSION_SET_CURRENT(MISSION_SET_CURRENT_DATA { seq, target_system, target_component }) = message
+            && (*target_system, *target_component) == (own.system, own.component)
+        {
+            self.jump_to_item(*seq);
+        }
+        let Some(command) = Command::from_message(message, own) else { return };
+        let result = match command.order() {
+            Order::Engage => {
+                if command.number == enums::MAV_CMD_MISSION_START
+                    && let Some(run) = self.run.as_mut().filter(|_| self.supervisor.state() == State::Ready)
+                {
+                    run.jump_to(0);
+                }
+                self.obey(Request::Engage { patient: false })
+            }
+            Order::Pause => self.obey(Request::Pause),
+            Order::SetCurrent(item) => {
+                if self.jump_to_item(item) {
+                    enums::MAV_RESULT_ACCEPTED
+                } else {
+                    enums::MAV_RESULT_DENIED
+                }
+            }
+            Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
+            Order::Denied => enums::MAV_RESULT_DENIED,
+        };
+        self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+    }
+
+    fn obey(&mut self, request: Request) -> u8 {
+        match self.request(self.driver_now, request) {
+            Ok(()) => enums::MAV_RESULT_ACCEPTED,
+            Err(why) => {
+                self.event(enums::MAV_SEVERITY_WARNING, format!("command refused: {why}"));
+                enums::MAV_RESULT_TEMPORARILY_REJECTED
+            }
+        }
+    }
+
+    /// Goes on with the first waypoint that belongs to this mission item or a later one.
+    fn jump_to_item(&mut self, item: u16) -> bool {
+        let Some(run) = &mut self.run else { return false };
+        let Some(index) = run.route().waypoints.iter().position(|waypoint| waypoint.item >= item) else { return false };
+        run.jump_to(index);
+        self.event(enums::MAV_SEVERITY_INFO, format!("going on with item {item}, as the ground station asked"));
+        true
+    }
+
+    fn on_ack(&mut self, own: Identity, data: &COMMAND_ACK_DATA) {
+        let is_ours = data.target_system == 0 || (data.target_system, data.target_component) == (own.system, own.component);
+        let refused = data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
+        if is_ours && refused {
+            let text = format!("command {} refused with MAV_RESULT {}", data.command, data.result);
+            self.event(enums::MAV_SEVERITY_DEBUG, text);
+        }
+    }
+
+    fn housekeeping(&mut self) {
+        let is_due = self.last_housekeeping.is_none_or(|then| self.now.saturating_sub(then) >= HOUSEKEEPING);
+        if !is_due {
+            return;
+        }
+        self.last_housekeeping = Some(self.now);
+        self.report();
+        self.take_mission_news();
+        if let Some(vehicle) = self.vehicle {
+            self.ask(vehicle);
+            self.check_output();
+        }
+        self.supervise();
+    }
+
+    /// Sends what is due to be asked of the flight controller.
+    fn ask(&mut self, vehicle: Vehicle) {
+        let (own, now) = (self.own(vehicle.id), self.driver_now);
+        let Vehicle { link, id } = vehicle;
+        while let Some(message) = self.streams.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+        while let Some(message) = self.parameters.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+        while let Some(message) = self.mission.poll(self.now, own, id) {
+            self.links.send(now, link, own, &message);
+        }
+        while let Some(message) = self.current.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+    }
+
+    fn check_output(&mut self) {
+        if !self.output_ready && self.parameters.is_complete() {
+            self.output_ready = self.configure_output();
+        }
+    }
+
+    /// Fits the output to the vehicle's parameters; says what stands against it.
+    fn configure_output(&mut self) -> bool {
+        let configured = self.output.configure(&self.parameters);
+        let own_system = f64::from(self.settings.ground_station_system);
+        let problem = match (configured, self.parameters.value("SYSID_MYGCS")) {
+            (Err(problem), _) => Some(problem),
+            (Ok(()), Some(system)) if self.settings.output.needs_ground_station_id() && system != own_system => {
+                Some(format!(
+                    "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
+                     {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
+                ))
+            }
+            _ => None,
+        };
+        match problem {
+            None => true,
+            Some(text) => {
+                if self.reporter.is_new_problem(&text) {
+                    self.event(enums::MAV_SEVERITY_ERROR, text);
+                }
+                false
+            }
+        }
+    }
+
+    fn take_mission_news(&mut self) {
+        match self.mission.poll_news(self.now) {
+            Some(News::Loaded(route)) => {
+                let text = format!("mission loaded: {} waypoints", route.waypoints.len());
+                let speed_mps = self
+                    .settings
+                    .speed_mps
+                    .or_else(|| output::full_speed_mps(&self.parameters))
+                    .unwrap_or(self.settings.boat.limits.cruise_mps);
+                self.run = Some(MissionRun::new(route, self.settings.boat.clone(), RunSettings { speed_mps }));
+                self.event(enums::MAV_SEVERITY_INFO, text);
+            }
+            Some(News::Unusable(text)) => {
+                self.run = None;
+                if self.reporter.is_new_problem(&text) {
+                    self.event(enums::MAV_SEVERITY_ERROR, text);
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn event(&mut self, severity: u8, text: impl Into<String>) {
+        let event = Event { severity, text: text.into() };
+        self.announce(&event);
+        if self.events.len() >= EVENT_LIMIT {
+            self.events.pop_front();
+        }
+        self.events.push_back(event);
+    }
+}

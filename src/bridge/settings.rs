@@ -1,0 +1,77 @@
+//! What the user decides before a bridge is started.
+
+use helmlink_mission::plan::Mission;
+use helmlink_wire::Identity;
+
+use crate::pilot::supervisor::Limits;
+use crate::vehicle::{Mode, OutputKind};
+
+/// Component id of the bridge on the vehicle's system: MAV_COMP_ID_ONBOARD_COMPUTER.
+pub const COMPONENT: u8 = helmlink_wire::enums::MAV_COMP_ID_ONBOARD_COMPUTER;
+
+/// Where the mission comes from.
+#[derive(Debug, Clone)]
+pub enum MissionSource {
+    /// The one on the flight controller, read by the mission protocol.
+    Vehicle,
+    /// One that the user gave.
+    Given(Mission),
+}
+
+/// Settings of a [`super::Bridge`].
+#[derive(Debug, Clone)]
+pub struct BridgeSettings {
+    /// The controller's model, limits and gains.
+    pub boat: crate::control::Boat,
+    /// Where the mission comes from.
+    pub mission: MissionSource,
+    /// By which messages the boat is steered.
+    pub output: OutputKind,
+    /// Speed over ground where the mission does not say, m/s; the vehicle's own speed setting if not given.
+    pub speed_mps: Option<f64>,
+    /// Interval of the control loop, and of the telemetry that drives it, seconds.
+    pub control_interval_s: f64,
+    /// Drive as soon as everything is ready and the motors are armed.
+    pub engage: bool,
+    /// Drive when the pilot changes into this mode.
+    pub engage_mode: Option<Mode>,
+    /// Arm the motors when engaging.
+    pub may_arm: bool,
+    /// The mode to leave the boat in when the mission is complete.
+    pub end_mode: Mode,
+    /// Compute, but send nothing at all.
+    pub shadow: bool,
+    /// System id that overrides are sent with; the flight controller's SYSID_MYGCS must be the same.
+    pub ground_station_system: u8,
+    /// Age limits.
+    pub limits: Limits,
+}
+
+impl BridgeSettings {
+    /// The safe defaults for a boat: watches, and drives only when commanded to.
+    pub fn new(boat: crate::control::Boat) -> Self {
+        Self {
+            boat,
+            mission: MissionSource::Vehicle,
+            output: OutputKind::RcOverride,
+            speed_mps: None,
+            control_interval_s: 0.04,
+            engage: false,
+            engage_mode: None,
+            may_arm: false,
+            end_mode: Mode::HOLD,
+            shadow: false,
+            ground_station_system: 255,
+            limits: Limits::default(),
+        }
+    }
+
+    /// Who sends the steering messages.
+    pub(super) fn steering_identity(&self, own: Identity) -> Identity {
+        if self.output.needs_ground_station_id() {
+            Identity { system: self.ground_station_system, component: own.component }
+        } else {
+            own
+        }
+    }
+}

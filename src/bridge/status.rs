@@ -1,0 +1,39 @@
+//! What the bridge tells its surroundings.
+
+use helmlink_wire::Identity;
+
+use crate::control::Diagnostics;
+use crate::pilot::Progress;
+use crate::pilot::supervisor::State;
+use crate::vehicle::Mode;
+use crate::vehicle::output::Demand;
+
+/// Something worth a line in the log.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Event {
+    /// MAV_SEVERITY: 0 emergency … 7 debug.
+    pub severity: u8,
+    /// One line.
+    pub text: String,
+}
+
+/// The bridge at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Status {
+    /// The safety state machine.
+    pub state: State,
+    /// The flight controller, once found.
+    pub vehicle: Option<Identity>,
+    /// Its mode.
+    pub mode: Option<Mode>,
+    /// Its motors may turn.
+    pub armed: bool,
+    /// Where the boat is on its mission, once there is one.
+    pub progress: Option<Progress>,
+    /// What was last commanded (or would have been, in shadow).
+    pub demand: Demand,
+    /// What the controller last thought.
+    pub diagnostics: Diagnostics,
+    /// Control steps made so far.
+    pub steps: u64,
+}

@@ -1,0 +1,182 @@
+//! One control step: supervise, compute, send.
+
+use helmlink_wire::{Message, enums};
+
+use super::{Bridge, REQUEST_REPEAT, Vehicle};
+use crate::control::Diagnostics;
+use crate::pilot::MissionRun;
+use crate::pilot::supervisor::{Conditions, Duty, State, Transition};
+use crate::vehicle::estimate::vessel_state;
+use crate::vehicle::output::Demand;
+use crate::vehicle::streams::{command_long, set_mode};
+
+/// How many frames let go of the boat: an override that outlives its sender is worse than a frame too many.
+const RELEASE_FRAMES: usize = 2;
+
+/// What the last control steps gave.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steering {
+    pub(super) demand: Demand,
+    pub(super) diagnostics: Diagnostics,
+    pub(super) steps: u64,
+}
+
+impl Default for Steering {
+    fn default() -> Self {
+        Self { demand: Demand::NEUTRAL, diagnostics: Diagnostics::default(), steps: 0 }
+    }
+}
+
+impl Bridge {
+    pub(super) fn conditions(&self) -> Conditions {
+        Conditions {
+            heartbeat_age_s: self.telemetry.heartbeat_age_s(self.now),
+            position_age_s: self.telemetry.position_age_s(self.now),
+            heading_age_s: self.telemetry.heading_age_s(self.now),
+            estimator_ready: self.telemetry.estimator_is_ready(),
+            mode: self.telemetry.mode(),
+            armed: self.telemetry.is_armed(),
+            mission_ready: self.run.is_some() && self.mission.is_ready(),
+            output_ready: self.output_ready,
+            mission_complete: self.run.as_ref().is_some_and(|run| run.progress().complete),
+        }
+    }
+
+    /// Lets the state machine look at the conditions, and does at once what it decides.
+    pub(super) fn supervise(&mut self) {
+        let now_s = self.now.as_secs_f64();
+        let conditions = self.conditions();
+        self.supervisor.update(now_s, &conditions);
+        while let Some(transition) = self.supervisor.poll_transition() {
+            self.on_transition(transition);
+        }
+        let Some(vehicle) = self.vehicle else { return };
+        if self.supervisor.take_release() {
+            self.let_go(vehicle);
+        }
+        self.prepare(vehicle, &conditions);
+    }
+
+    fn on_transition(&mut self, transition: Transition) {
+        let severity = match transition.to {
+            State::Waiting(_) if transition.from == State::Engaged => enums::MAV_SEVERITY_CRITICAL,
+            State::HandingBack | State::Ready if transition.from == State::Engaged => enums::MAV_SEVERITY_WARNING,
+            _ => enums::MAV_SEVERITY_INFO,
+        };
+        self.event(severity, format!("{}: {}", transition.to, transition.reason));
+        match transition.to {
+            State::Engaging => self.begin_again_if_complete(),
+            State::Engaged => self.engage_run(),
+            State::HandingBack => self.send_demand(Demand::NEUTRAL),
+            _ => {}
+        }
+        if transition.to != State::Engaged {
+            self.current.clear();
+        }
+    }
+
+    fn begin_again_if_complete(&mut self) {
+        if let Some(run) = self.run.as_mut().filter(|run| run.progress().complete) {
+            run.jump_to(0);
+        }
+    }
+
+    fn engage_run(&mut self) {
+        let Some(run) = &mut self.run else { return };
+        if let Some((_, state)) = vessel_state(&self.telemetry, run.frame())
+            && let Err(error) = run.engage(&state)
+        {
+            self.event(enums::MAV_SEVERITY_ERROR, error.to_string());
+        }
+    }
+
+    /// Asks for the mode and the arming that the state machine wants.
+    fn prepare(&mut self, vehicle: Vehicle, conditions: &Conditions) {
+        let message = if let Some(mode) = self.supervisor.wanted_mode(conditions) {
+            set_mode(vehicle.id, mode)
+        } else if self.supervisor.wants_arming(conditions) {
+            command_long(vehicle.id, enums::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0])
+        } else {
+            self.last_request = None;
+            return;
+        };
+        if self.last_request.is_none_or(|then| self.now.saturating_sub(then) >= REQUEST_REPEAT) {
+            self.last_request = Some(self.now);
+            let own = self.own(vehicle.id);
+            self.links.send(self.driver_now, vehicle.link, own, &message);
+        }
+    }
+
+    /// New telemetry is there: one turn of the control loop.
+    pub(super) fn control_step(&mut self) {
+        self.supervise();
+        match self.supervisor.duty() {
+            Duty::Drive => self.drive(),
+            Duty::Neutral => self.send_demand(Demand::NEUTRAL),
+            Duty::Nothing if self.settings.shadow => {
+                self.compute();
+            }
+            Duty::Nothing => {}
+        }
+    }
+
+    fn drive(&mut self) {
+        let demand = self.compute().unwrap_or(Demand::NEUTRAL);
+        self.send_demand(demand);
+        if let Some(item) = self.run.as_ref().and_then(current_item) {
+            self.current.set(item);
+        }
+        // The last waypoint may have been reached with this very step.
+        self.supervise();
+    }
+
+    /// What the pilot wants now; `None` when it cannot say.
+    fn compute(&mut self) -> Option<Demand> {
+        let run = self.run.as_mut()?;
+        let (boot_s, state) = vessel_state(&self.telemetry, run.frame())?;
+        match run.step(boot_s, &state) {
+            Ok(step) => {
+                self.steering.demand = step.demand;
+                self.steering.diagnostics = step.diagnostics;
+                self.steering.steps += 1;
+                for index in step.reached.0..step.reached.1 {
+                    self.on_waypoint_reached(index);
+                }
+                Some(step.demand)
+            }
+            Err(error) => {
+                let text = error.to_string();
+                if self.reporter.is_new_problem(&text) {
+                    self.event(enums::MAV_SEVERITY_ERROR, text);
+                }
+                None
+            }
+        }
+    }
+
+    fn send_demand(&mut self, demand: Demand) {
+        let Some(vehicle) = self.vehicle else { return };
+        self.steering.demand = demand;
+        let message = self.output.drive(vehicle.id, demand);
+        self.send_command(vehicle, &message);
+    }
+
+    fn let_go(&mut self, vehicle: Vehicle) {
+        self.steering.demand = Demand::NEUTRAL;
+        if let Some(message) = self.output.release(vehicle.id) {
+            for _ in 0..RELEASE_FRAMES {
+                self.send_command(vehicle, &message);
+            }
+        }
+    }
+
+    fn send_command(&mut self, vehicle: Vehicle, message: &Message) {
+        let from = self.settings.steering_identity(self.own(vehicle.id));
+        self.links.command(self.driver_now, vehicle.link, from, message);
+    }
+}
+
+/// The mission item that the boat is under way to.
+pub(super) fn current_item(run: &MissionRun) -> Option<u16> {
+    run.route().waypoints.get(run.progress().next).map(|waypoint| waypoint.item)
+}

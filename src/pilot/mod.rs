@@ -1,0 +1,13 @@
+//! Mission, guidance and control as one step function, and the state machine that decides when it may steer.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`supervisor`] | when the bridge drives, and why it stops |
+//! | [`mission_run`] | where on the mission the boat is: stretches between stops, waypoints reached |
+//!
+//! The pilot knows a local north-east frame, metres and radians; no MAVLink, no clock, no socket.
+
+pub mod mission_run;
+pub mod supervisor;
+
+pub use mission_run::{MissionRun, Progress, RunSettings, Step};
