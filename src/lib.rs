@@ -1,1 +1,4 @@
 //! Helmlink steers an uncrewed boat along its mission.
+
+pub mod control;
+pub mod guidance;
