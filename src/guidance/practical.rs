@@ -96,7 +96,7 @@ impl Guidance for Practical {
         let foot_mps = foot_speed_mps(&here, velocity);
 
         let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
-        let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, self.end);
+        let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
         let lead_m = self.settings.lead_m.max(self.settings.lead_time_s * speed_mps);
         self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
 

@@ -31,6 +31,8 @@ pub(crate) struct Run<'a> {
     pub(crate) speed_mps: f64,
     pub(crate) rate_hz: f64,
     pub(crate) delay_ticks: usize,
+    /// 1.0: 5 cm Gauss-Markov position, 0.5 deg heading, 0.3 deg/s yaw rate, 3 cm/s velocity noise.
+    pub(crate) noise: f64,
     pub(crate) trace: bool,
 }
 
@@ -47,9 +49,11 @@ impl Run<'_> {
         let mut settled_s = 0.0;
         let mut queue = std::collections::VecDeque::new();
         let mut report = Report::default();
+        let mut noise = Noise::new(self.noise);
         for tick in 0..limit {
             let time_s = tick as f64 * dt;
-            let state = plant.state();
+            let truth = plant.state();
+            let state = noise.disturb(dt, truth);
             let output = helm.step(dt, &state, self.path, self.speed_mps).unwrap();
             let reference = output.diagnostics.reference;
             if reference.finished {
@@ -59,9 +63,9 @@ impl Run<'_> {
             if self.path.point(reference.progress_m.max(0.0)).curvature_radpm.abs() > 1e-6 {
                 bend_s = time_s;
             }
-            let e = reference.cross_track_m;
+            let e = if self.noise == 0.0 { reference.cross_track_m } else { crate::guidance::progress::project(self.path, truth.position, reference.progress_m).cross_track_m };
             sums[1].add(e);
-            sums[2].add(polyline_distance(self.points, state.position));
+            sums[2].add(polyline_distance(self.points, truth.position));
             let settled = time_s - bend_s > SETTLING_S;
             if settled {
                 sums[0].add(e);
@@ -144,4 +148,32 @@ pub(crate) fn box_points() -> Vec<NorthEast> {
 
 pub(crate) fn box_path() -> Path {
     Path::stub(&box_points(), 0.3)
+}
+
+struct Noise { size: f64, rng: rand_chacha::ChaCha8Rng, bias: [f64; 2] }
+
+impl Noise {
+    fn new(size: f64) -> Self {
+        use rand_chacha::rand_core::SeedableRng;
+        Self { size, rng: rand_chacha::ChaCha8Rng::seed_from_u64(7), bias: [0.0; 2] }
+    }
+    fn normal(&mut self) -> f64 {
+        use rand_chacha::rand_core::Rng;
+        (0..12).map(|_| f64::from(self.rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
+    }
+    fn disturb(&mut self, dt: f64, mut state: crate::guidance::VesselState) -> crate::guidance::VesselState {
+        if self.size == 0.0 { return state; }
+        for i in 0..2 {
+            let w = self.normal();
+            self.bias[i] += -self.bias[i] * dt / 2.0 + 0.05 * (2.0 * dt / 2.0).sqrt() * w;
+        }
+        let k = self.size;
+        state.position.north_m += k * (self.bias[0] + 0.01 * self.normal());
+        state.position.east_m += k * (self.bias[1] + 0.01 * self.normal());
+        state.heading_rad += k * 0.006 * self.normal();
+        state.yaw_rate_radps += k * 0.005 * self.normal();
+        state.surge_mps += k * 0.03 * self.normal();
+        state.sway_mps += k * 0.03 * self.normal();
+        state
+    }
 }
