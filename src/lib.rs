@@ -1,4 +1,32 @@
-//! Helmlink steers an uncrewed boat along its mission.
-pub mod simulation { pub mod score; }
+//! Helmlink steers an uncrewed boat along its mission, over MAVLink.
+//!
+//! ```text
+//!  bytes ──► wire ──► vehicle ──► pilot ──► vehicle ──► wire ──► bytes
+//!           frames   telemetry   mission,  command     frames
+//!           in       as a state  guidance, as MAVLink  out
+//!                                control,
+//!                                supervisor
+//! ```
+//!
+//! | module | what it holds | what it does not know |
+//! |---|---|---|
+//! | [`vehicle`] | what the flight controller says and accepts | the control law |
+//! | [`guidance`], [`control`] | path following, the adaptive sliding-mode law, allocation | MAVLink |
+//! | [`pilot`] | the mission as a step function, and the safety state machine | sockets, clocks |
+//! | [`bridge`] | all of that behind bytes in, bytes out | sockets, clocks |
+//! | [`simulation`] | the bridge and the simulated boat in one process, and the score | sockets, clocks |
+//! | [`report`] | a run as a picture | where the run came from |
+//! | [`link`] | UDP, TCP, serial and in-memory transports | what the bytes mean |
+//! | [`app`] | the subcommands | |
+//!
+//! Frames are the crate `helmlink-wire`, missions `helmlink-mission`, the simulated boat `helmlink-sitl`.
+
+pub mod app;
+pub mod bridge;
+pub mod control;
+pub mod guidance;
+pub mod link;
+pub mod pilot;
+pub mod report;
+pub mod simulation;
 pub mod vehicle;
-pub mod pilot { pub mod supervisor; }

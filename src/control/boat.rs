@@ -1,0 +1,143 @@
+//! Everything the controller knows about one boat: nominal hull, actuators, limits and gains.
+//!
+//! The boats that come with Helmlink are TOML files next to this one, embedded in the binary. Anyone can
+//! write another; every value is checked when it is loaded, and an error names the key and what it may be.
+
+mod ranges;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::control::allocation::{CircleSettings, RudderSettings, TwinSettings};
+use crate::control::axis::AxisSettings;
+use crate::control::model::Hull;
+use crate::guidance::GuidanceSettings;
+
+/// Names and texts of the boats that come with Helmlink.
+const EMBEDDED: [(&str, &str); 4] = [
+    ("otter", include_str!("boats/otter.toml")),
+    ("monohull38", include_str!("boats/monohull38.toml")),
+    ("motorboat", include_str!("boats/motorboat.toml")),
+    ("outboard", include_str!("boats/outboard.toml")),
+];
+
+/// One boat, checked.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Boat {
+    /// Short name.
+    pub name: String,
+    /// One line on what the boat is and where its values come from.
+    pub description: String,
+    /// Nominal hull.
+    pub hull: Hull,
+    /// How a force and a moment become throttle and steering.
+    pub actuators: Actuators,
+    /// What the boat may be asked to do.
+    pub limits: Limits,
+    /// Guidance gains.
+    pub guidance: GuidanceSettings,
+    /// Controller gains.
+    pub control: ControlSettings,
+}
+
+/// Actuators of a boat.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Actuators {
+    /// Two fixed thrusters behind the autopilot's skid-steer mixer.
+    TwinThrusters(TwinSettings),
+    /// Propeller and rudder, or an outboard that turns.
+    PropellerRudder(RudderSettings),
+    /// A boat known by its turning circle alone.
+    TurningCircle(CircleSettings),
+}
+
+/// What the boat may be asked to do.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Largest speed through the water, m/s.
+    pub speed_max_mps: f64,
+    /// Least speed through the water at which the boat still steers, m/s; zero for twin thrusters.
+    pub steerage_mps: f64,
+    /// Largest yaw rate ever asked for, rad/s.
+    pub yaw_rate_max_radps: f64,
+    /// Yaw rate planned for a turn of the path, rad/s: leaves margin below the largest for corrections.
+    pub turn_rate_radps: f64,
+    /// Lateral acceleration planned for a turn, m/s².
+    pub lateral_acceleration_mps2: f64,
+    /// Deceleration planned before a turn and before the end of the path, m/s².
+    pub deceleration_mps2: f64,
+}
+
+/// Gains of the adaptive PI sliding-mode controller.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControlSettings {
+    /// Heading gain k_ψ, 1/s.
+    pub heading_gain: f64,
+    /// Surge axis.
+    pub surge: AxisSettings,
+    /// Yaw axis.
+    pub yaw: AxisSettings,
+}
+
+/// Why a boat cannot be used.
+#[derive(Debug, Error)]
+pub enum BoatError {
+    /// No embedded boat has this name.
+    #[error("there is no boat called {name:?}; choose one of {known}")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// Not TOML, an unknown key, a missing key or a wrong type.
+    #[error("the boat file cannot be read: {0}")]
+    Syntax(#[from] Box<toml::de::Error>),
+    /// A value outside its range.
+    #[error("{key} = {value} is outside its range: it must be between {least} and {most} ({meaning})")]
+    Range {
+        /// Key, with its tables.
+        key: &'static str,
+        /// Value found.
+        value: f64,
+        /// Least value allowed.
+        least: f64,
+        /// Largest value allowed.
+        most: f64,
+        /// What the value is, and its unit.
+        meaning: &'static str,
+    },
+}
+
+impl Boat {
+    /// Names of the embedded boats.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        EMBEDDED.iter().map(|(name, _)| *name)
+    }
+
+    /// An embedded boat.
+    ///
+    /// # Errors
+    /// [`BoatError::Unknown`] lists the names there are.
+    pub fn embedded(name: &str) -> Result<Self, BoatError> {
+        let Some((_, text)) = EMBEDDED.iter().find(|(known, _)| *known == name) else {
+            let known = Self::names().collect::<Vec<_>>().join(", ");
+            return Err(BoatError::Unknown { name: name.to_owned(), known });
+        };
+        Self::from_toml(text)
+    }
+
+    /// A boat from the text of a file.
+    ///
+    /// # Errors
+    /// Names the line or the key at fault and what would be right.
+    pub fn from_toml(text: &str) -> Result<Self, BoatError> {
+        let boat: Self = toml::from_str(text).map_err(Box::new)?;
+        boat.check()?;
+        Ok(boat)
+    }
+}

@@ -1,0 +1,185 @@
+//! The façade: where the boat is and the path in, throttle and steering out.
+
+use helmlink_mission::path::Path;
+use thiserror::Error;
+
+use super::allocation::{Allocator, Situation};
+use super::boat::Boat;
+use super::command::Command;
+use super::law::{Law, LawDiagnostics, LawInput};
+use super::model::{Hull, SwayModel, WaterMotion};
+use super::pi_smc::PiSmc;
+use crate::guidance::drift::DriftEstimator;
+use crate::guidance::{
+    EndOfPath, Guidance, GuidanceInput, Practical, Reference, StateError, VesselState, Water, unit,
+};
+
+/// Shortest step taken, s.
+pub const MIN_STEP_S: f64 = 1.0e-4;
+/// Longest step taken, s. After a longer gap the controller's memory is stale: engage again.
+pub const MAX_STEP_S: f64 = 1.0;
+
+/// Why a step was refused. The controller's state is untouched; send a neutral command.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum HelmError {
+    /// The state is not a number or absurd.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// The time since the last step is out of range.
+    #[error(
+        "a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again"
+    )]
+    Step {
+        /// Step asked for, s.
+        dt_s: f64,
+    },
+    /// The wanted speed is out of range.
+    #[error("a wanted speed of {speed_mps} m/s is outside 0 to {most_mps} m/s, the boat's limit")]
+    Speed {
+        /// Speed asked for, m/s.
+        speed_mps: f64,
+        /// Largest speed of the boat, m/s.
+        most_mps: f64,
+    },
+    /// The result is not a number: the state is plausible by itself but the path or gains are not.
+    #[error("the controller's output is not finite; engage again")]
+    Output,
+}
+
+/// What the helm thought at one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Diagnostics {
+    /// Guidance.
+    pub reference: Reference,
+    /// Control law.
+    pub law: LawDiagnostics,
+    /// Forces demanded and predicted: surge (N) and yaw (N·m) wanted.
+    pub surge_demand_n: f64,
+    /// Yaw moment wanted, N·m.
+    pub yaw_demand_nm: f64,
+    /// Estimate of the water.
+    pub water: Water,
+    /// Whether a limit cut surge off.
+    pub surge_saturated: bool,
+    /// Whether a limit cut yaw off.
+    pub yaw_saturated: bool,
+}
+
+/// Result of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Output {
+    /// What to send.
+    pub command: Command,
+    /// Why.
+    pub diagnostics: Diagnostics,
+}
+
+/// Guidance, law and allocation of one boat.
+pub struct Helm {
+    hull: Hull,
+    speed_max_mps: f64,
+    drift_time_s: f64,
+    guidance: Box<dyn Guidance>,
+    law: Box<dyn Law>,
+    allocator: Allocator,
+    sway: SwayModel,
+    drift: DriftEstimator,
+    side_force_n: f64,
+}
+
+impl Helm {
+    /// The practical guidance with the adaptive PI sliding-mode controller.
+    #[must_use]
+    pub fn new(boat: &Boat, end: EndOfPath) -> Self {
+        let guidance =
+            Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
+        Self::with_laws(boat, Box::new(guidance), Box::new(PiSmc::new(boat)))
+    }
+
+    /// Any guidance with any law.
+    #[must_use]
+    pub fn with_laws(boat: &Boat, guidance: Box<dyn Guidance>, law: Box<dyn Law>) -> Self {
+        Self {
+            hull: boat.hull.clone(),
+            speed_max_mps: boat.limits.speed_max_mps,
+            drift_time_s: boat.guidance.drift_time_s,
+            guidance,
+            law,
+            allocator: Allocator::new(&boat.actuators, &boat.hull),
+            sway: SwayModel::default(),
+            drift: DriftEstimator::default(),
+            side_force_n: 0.0,
+        }
+    }
+
+    /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
+    ///
+    /// # Errors
+    /// Refuses a state that is not a number or absurd.
+    pub fn engage(&mut self, state: &VesselState, progress_m: f64) -> Result<(), HelmError> {
+        state.check()?;
+        self.guidance.engage(state, progress_m);
+        self.law.engage(state.surge_mps, state.yaw_rate_radps);
+        self.allocator.reset();
+        self.sway = SwayModel::default();
+        self.drift = DriftEstimator::default();
+        self.side_force_n = 0.0;
+        Ok(())
+    }
+
+    /// One tick: `dt_s` is the measured time since the last one, `speed_mps` the speed wanted over ground.
+    ///
+    /// Allocates nothing. Handles any step from 5 to 50 Hz and beyond.
+    ///
+    /// # Errors
+    /// Refuses a state, step or speed that is not a number or out of range, and then changes nothing.
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        state: &VesselState,
+        path: &Path,
+        speed_mps: f64,
+    ) -> Result<Output, HelmError> {
+        state.check()?;
+        if !(MIN_STEP_S..=MAX_STEP_S).contains(&dt_s) {
+            return Err(HelmError::Step { dt_s });
+        }
+        if !(0.0..=self.speed_max_mps).contains(&speed_mps) {
+            return Err(HelmError::Speed { speed_mps, most_mps: self.speed_max_mps });
+        }
+        let motion = self.observe_water(dt_s, state);
+        let water = Water { sway_mps: motion.sway_mps, current: self.drift.current() };
+        let reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
+        let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
+        let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
+        let allocation = self.allocator.allocate(dt_s, demand, &situation);
+        self.law.settle(dt_s, &allocation);
+        self.side_force_n = allocation.achieved.sway_n;
+        let command = allocation.command;
+        if !(command.throttle.is_finite() && command.steering.is_finite()) {
+            return Err(HelmError::Output);
+        }
+        Ok(Output {
+            command,
+            diagnostics: Diagnostics {
+                reference,
+                law: self.law.diagnostics(),
+                surge_demand_n: demand.surge_n,
+                yaw_demand_nm: demand.yaw_nm,
+                water,
+                surge_saturated: allocation.surge_saturated,
+                yaw_saturated: allocation.yaw_saturated,
+            },
+        })
+    }
+
+    /// Moves the sway model and the drift estimate; returns the motion through the water.
+    fn observe_water(&mut self, dt_s: f64, state: &VesselState) -> WaterMotion {
+        let along = unit(state.heading_rad).dot(self.drift.current());
+        let surge_mps = state.surge_mps - along;
+        let rate = state.yaw_rate_radps;
+        let sway_mps = self.sway.step(dt_s, &self.hull, surge_mps, rate, self.side_force_n);
+        self.drift.step(dt_s, state, sway_mps, self.drift_time_s);
+        WaterMotion { surge_mps, sway_mps, yaw_rate_radps: rate }
+    }
+}

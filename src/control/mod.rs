@@ -1,0 +1,29 @@
+//! Heading and speed control: from what guidance asks to throttle and steering.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`boat`] | everything known of one boat, from a checked file |
+//! | [`model`] | the nominal hull: parameters Θ, regressors f, coefficients ζ, the sway model |
+//! | [`axis`] | one axis of the adaptive PI sliding-mode law |
+//! | [`pi_smc`] | both axes together |
+//! | [`law`] | the seam where other laws plug in |
+//! | [`allocation`] | forces to throttle and steering, and what becomes of them |
+//! | [`command`] | throttle and steering, normalised |
+//! | [`helm`] | the façade: state and path in, command out |
+
+pub mod allocation;
+pub mod axis;
+pub mod boat;
+pub mod command;
+pub mod helm;
+pub mod law;
+pub mod model;
+pub mod pi_smc;
+#[cfg(test)]
+mod testing;
+
+pub use boat::{Boat, BoatError, Limits};
+pub use command::{Command, Wrench};
+pub use helm::{Diagnostics, Helm, HelmError, Output};
+pub use model::{Hull, SwayModel};
+pub use pi_smc::PiSmc;

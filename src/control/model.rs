@@ -1,0 +1,125 @@
+//! The controller's nominal model of the hull: three degrees of freedom, diagonal inertia.
+//!
+//! Equation (1) of the paper with the diagonal model of Do and Pan (2009, ch. 5). Forces divide by inertia,
+//! so that every unknown of one axis is a vector Θ which multiplies a known regressor f:
+//! u̇ = Θ_uᵀf_u + ζ_u τ_u, ṙ = Θ_rᵀf_r + ζ_r τ_r.
+
+use nalgebra::Vector4;
+use serde::Deserialize;
+
+/// Inertia and damping of a hull, through the water.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hull {
+    /// Mass and added mass in surge m11, kg.
+    pub m11_kg: f64,
+    /// Mass and added mass in sway m22, kg.
+    pub m22_kg: f64,
+    /// Moment of inertia and added inertia in yaw m33, kg·m².
+    pub m33_kgm2: f64,
+    /// Surge damping: N/(m/s), N/(m/s)², N/(m/s)³.
+    pub surge_damping: [f64; 3],
+    /// Sway damping: N/(m/s), N/(m/s)², N/(m/s)³.
+    pub sway_damping: [f64; 3],
+    /// Yaw damping: N·m/(rad/s), N·m/(rad/s)², N·m/(rad/s)³.
+    pub yaw_damping: [f64; 3],
+}
+
+/// Motion through the water: what the hull feels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WaterMotion {
+    /// Surge through the water, m/s.
+    pub surge_mps: f64,
+    /// Sway through the water, m/s.
+    pub sway_mps: f64,
+    /// Yaw rate, rad/s.
+    pub yaw_rate_radps: f64,
+}
+
+impl Hull {
+    /// Surge parameters Θ_u: `[m22, -d_u1, -d_u2, -d_u3] / m11`.
+    #[must_use]
+    pub fn surge_parameters(&self) -> Vector4<f64> {
+        let [d1, d2, d3] = self.surge_damping;
+        Vector4::new(self.m22_kg, -d1, -d2, -d3) / self.m11_kg
+    }
+
+    /// Yaw parameters Θ_r: `[m11 - m22, -d_r1, -d_r2, -d_r3] / m33`.
+    #[must_use]
+    pub fn yaw_parameters(&self) -> Vector4<f64> {
+        let [d1, d2, d3] = self.yaw_damping;
+        Vector4::new(self.m11_kg - self.m22_kg, -d1, -d2, -d3) / self.m33_kgm2
+    }
+
+    /// Surge control coefficient ζ_u, 1/kg.
+    #[must_use]
+    pub fn surge_effect(&self) -> f64 {
+        1.0 / self.m11_kg
+    }
+
+    /// Yaw control coefficient ζ_r, 1/(kg·m²).
+    #[must_use]
+    pub fn yaw_effect(&self) -> f64 {
+        1.0 / self.m33_kgm2
+    }
+
+    /// Acceleration in sway (m/s²) under a side force (N), with the damping split off as a rate (1/s):
+    /// v̇ = `.0` − `.1`·v. Integrated implicitly this is stable at any step.
+    #[must_use]
+    pub fn sway_terms(&self, motion: WaterMotion, side_force_n: f64) -> (f64, f64) {
+        let [d1, d2, d3] = self.sway_damping;
+        let speed = motion.sway_mps.abs();
+        let push = side_force_n - self.m11_kg * motion.surge_mps * motion.yaw_rate_radps;
+        (push / self.m22_kg, (d1 + d2 * speed + d3 * speed * speed) / self.m22_kg)
+    }
+}
+
+/// Surge regressor f_u: `[v r, u, |u|u, u³]`.
+#[must_use]
+pub fn surge_regressor(motion: WaterMotion) -> Vector4<f64> {
+    damping_powers(motion.surge_mps, motion.sway_mps * motion.yaw_rate_radps)
+}
+
+/// Yaw regressor f_r: `[u v, r, |r|r, r³]`.
+#[must_use]
+pub fn yaw_regressor(motion: WaterMotion) -> Vector4<f64> {
+    damping_powers(motion.yaw_rate_radps, motion.surge_mps * motion.sway_mps)
+}
+
+fn damping_powers(rate: f64, coupling: f64) -> Vector4<f64> {
+    Vector4::new(coupling, rate, rate.abs() * rate, rate * rate * rate)
+}
+
+/// Sway through the water, predicted from the turn alone.
+///
+/// The measured sway contains the current, and would put its false Munk moment (m11 − m22)·u·v into the yaw
+/// law; this one does not.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SwayModel {
+    sway_mps: f64,
+    rate_mps2: f64,
+}
+
+impl SwayModel {
+    /// Advances the model by `dt_s` and returns the sway through the water, m/s.
+    pub fn step(&mut self, dt_s: f64, hull: &Hull, surge_mps: f64, yaw_rate_radps: f64, side_force_n: f64) -> f64 {
+        let motion = WaterMotion { surge_mps, sway_mps: self.sway_mps, yaw_rate_radps };
+        let (push, damping) = hull.sway_terms(motion, side_force_n);
+        let next = (self.sway_mps + dt_s * push) / (1.0 + dt_s * damping);
+        self.rate_mps2 = (next - self.sway_mps) / dt_s;
+        self.sway_mps = next;
+        next
+    }
+
+    /// Sway through the water, m/s.
+    #[must_use]
+    pub fn sway_mps(&self) -> f64 {
+        self.sway_mps
+    }
+
+    /// Rate of change of the last step, m/s².
+    #[must_use]
+    pub fn rate_mps2(&self) -> f64 {
+        self.rate_mps2
+    }
+}

@@ -1,0 +1,95 @@
+//! Adaptive proportional-integral sliding-mode control of surge and yaw.
+
+use super::allocation::Allocation;
+use super::axis::{AxisInput, AxisOutcome, SlidingAxis};
+use super::boat::Boat;
+use super::command::Wrench;
+use super::law::{Law, LawDiagnostics, LawInput};
+use super::model::{Hull, surge_regressor, yaw_regressor};
+
+/// The controller of both axes.
+#[derive(Debug, Clone)]
+pub struct PiSmc {
+    hull: Hull,
+    heading_gain: f64,
+    yaw_rate_max_radps: f64,
+    surge: SlidingAxis,
+    yaw: SlidingAxis,
+    last: Option<(AxisInput, AxisInput)>,
+}
+
+impl PiSmc {
+    /// The controller of a boat.
+    #[must_use]
+    pub fn new(boat: &Boat) -> Self {
+        let control = &boat.control;
+        // A tenth of the speed goes sideways in an ordinary turn.
+        let sway = 0.1 * control.surge.typical_rate;
+        let surge_coupling = sway * control.yaw.typical_rate;
+        let yaw_coupling = sway * control.surge.typical_rate;
+        Self {
+            surge: SlidingAxis::new(control.surge.clone(), boat.hull.surge_parameters(), surge_coupling),
+            yaw: SlidingAxis::new(control.yaw.clone(), boat.hull.yaw_parameters(), yaw_coupling),
+            hull: boat.hull.clone(),
+            heading_gain: control.heading_gain,
+            yaw_rate_max_radps: boat.limits.yaw_rate_max_radps,
+            last: None,
+        }
+    }
+}
+
+impl Law for PiSmc {
+    fn engage(&mut self, surge_mps: f64, yaw_rate_radps: f64) {
+        self.surge.engage(surge_mps);
+        self.yaw.engage(yaw_rate_radps);
+        self.last = None;
+    }
+
+    fn demand(&mut self, dt_s: f64, input: &LawInput<'_>) -> Wrench {
+        let limit = self.yaw_rate_max_radps;
+        let reference = input.reference;
+        let correction = self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
+        let alpha_r = (correction + reference.heading_rate_radps).clamp(-limit, limit);
+        let surge = AxisInput {
+            target: reference.speed_mps,
+            actual: input.state.surge_mps,
+            regressor: surge_regressor(input.motion),
+            effect: self.hull.surge_effect(),
+        };
+        let yaw = AxisInput {
+            target: alpha_r,
+            actual: input.state.yaw_rate_radps,
+            regressor: yaw_regressor(input.motion),
+            effect: self.hull.yaw_effect(),
+        };
+        self.last = Some((surge, yaw));
+        Wrench {
+            surge_n: self.surge.demand(dt_s, &surge),
+            sway_n: 0.0,
+            yaw_nm: self.yaw.demand(dt_s, &yaw),
+        }
+    }
+
+    fn settle(&mut self, dt_s: f64, allocation: &Allocation) {
+        let Some((surge, yaw)) = &self.last else { return };
+        let achieved = allocation.achieved;
+        let surge_outcome =
+            AxisOutcome { achieved: achieved.surge_n, saturated: allocation.surge_saturated };
+        let yaw_outcome = AxisOutcome { achieved: achieved.yaw_nm, saturated: allocation.yaw_saturated };
+        self.surge.settle(dt_s, surge, surge_outcome);
+        self.yaw.settle(dt_s, yaw, yaw_outcome);
+    }
+
+    fn diagnostics(&self) -> LawDiagnostics {
+        let (alpha_u_mps, alpha_r_radps) =
+            self.last.as_ref().map_or((0.0, 0.0), |(surge, yaw)| (surge.target, yaw.target));
+        LawDiagnostics {
+            alpha_u_mps,
+            alpha_r_radps,
+            surface_u: self.surge.surface(),
+            surface_r: self.yaw.surface(),
+            disturbance_u: self.surge.disturbance(),
+            disturbance_r: self.yaw.disturbance(),
+        }
+    }
+}

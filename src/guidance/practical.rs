@@ -1,0 +1,191 @@
+//! The practical guidance law: the paper's virtual ship with its three geometric defects mended.
+//!
+//! The paper steers the bow at the virtual ship, ψ_ref = ψ_r. Under a cross current that leaves a steady offset,
+//! in a bend it cuts the corner, and close to the ship it amplifies noise. Here the *course* is aligned, the bias
+//! of the chord is taken out, and the lead is kept: ψ_ref = ψ_r − γ_c − β̂. On a straight leg this is
+//! line-of-sight guidance with the lead as look-ahead: ψ_ref = ψ_p − atan(e/lead) − β̂.
+
+use helmlink_mission::angle::ssa;
+
+use super::azimuth::{azimuth, chord_bias};
+use super::progress::{Projection, foot_speed_mps, point, project};
+use super::speed::SpeedLimits;
+use super::virtual_ship::VirtualShip;
+use super::{EndOfPath, Guidance, GuidanceInput, GuidanceSettings, Reference, VesselState, unit};
+use crate::control::{Hull, Limits, SwayModel};
+
+/// The azimuth is blended with the virtual ship's direction closer than this part of the lead.
+const NEAR_PART: f64 = 0.3;
+/// Below this cosine of the heading error speed gives way to turning.
+const TURN_FIRST_COSINE: f64 = 0.5;
+/// Least cosine that the speed along the path is divided by.
+const LEAST_COSINE: f64 = 0.7;
+/// Beyond this heading error a turn keeps its direction when the error flips through ±π, rad.
+const HOLD_TURN_RAD: f64 = 2.6;
+/// Least surge speed in the drift angle: slower, the angle means nothing, m/s.
+const LEAST_DRIFT_SPEED_MPS: f64 = 0.3;
+/// Largest drift angle aligned, rad.
+const MAX_DRIFT_RAD: f64 = 1.0;
+/// Range of the yaw rate per course rate.
+const YAW_PER_COURSE: (f64, f64) = (0.6, 2.5);
+/// Surge speed never exceeds this part of the speed wanted along the path.
+const MOST_SPEED_PART: f64 = 1.1;
+
+/// The practical guidance law.
+#[derive(Debug, Clone)]
+pub struct Practical {
+    settings: GuidanceSettings,
+    limits: Limits,
+    hull: Hull,
+    end: EndOfPath,
+    ship: VirtualShip,
+    progress_m: f64,
+    planned_sway: SwayModel,
+    last_error_rad: f64,
+}
+
+impl Practical {
+    /// Guidance of a boat.
+    #[must_use]
+    pub fn new(settings: GuidanceSettings, limits: Limits, hull: Hull, end: EndOfPath) -> Self {
+        Self {
+            settings,
+            limits,
+            hull,
+            end,
+            ship: VirtualShip::default(),
+            progress_m: 0.0,
+            planned_sway: SwayModel::default(),
+            last_error_rad: 0.0,
+        }
+    }
+
+    fn speed_limits(&self) -> SpeedLimits {
+        SpeedLimits {
+            turn_rate_radps: self.limits.turn_rate_radps,
+            lateral_acceleration_mps2: self.limits.lateral_acceleration_mps2,
+            deceleration_mps2: self.limits.deceleration_mps2,
+            creep_mps: self.settings.creep_mps,
+        }
+    }
+
+    /// Heading error, kept on its side of ±π while the boat turns through a large angle.
+    fn heading_error(&mut self, wanted_rad: f64, heading_rad: f64) -> f64 {
+        let mut error = ssa(wanted_rad - heading_rad);
+        if error.abs() > HOLD_TURN_RAD && error * self.last_error_rad < 0.0 && self.last_error_rad.abs() > HOLD_TURN_RAD {
+            error += std::f64::consts::TAU.copysign(self.last_error_rad);
+        }
+        self.last_error_rad = error;
+        error
+    }
+}
+
+impl Guidance for Practical {
+    fn engage(&mut self, _state: &VesselState, progress_m: f64) {
+        self.ship = VirtualShip::at(progress_m);
+        self.progress_m = progress_m;
+        self.planned_sway = SwayModel::default();
+        self.last_error_rad = 0.0;
+    }
+
+    fn step(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Reference {
+        let GuidanceInput { state, path, .. } = *input;
+        let velocity = state.ground_velocity();
+        let here = project(path, state.position, self.progress_m);
+        self.progress_m = here.progress_m;
+        let foot_mps = foot_speed_mps(&here, velocity);
+
+        let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
+        let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
+        let lead_m = self.settings.lead_m.max(self.settings.lead_time_s * speed_mps);
+        self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
+
+        let ship = point(path, self.ship.progress_m());
+        let ship_mps = self.ship.speed_mps();
+        let aim = azimuth(state.position, velocity, &ship, ship_mps, NEAR_PART * lead_m);
+        let bias = chord_bias(&here.foot, foot_mps, &ship, ship_mps);
+
+        let drift = self.drift(input);
+        let heading_rad = aim.rad - bias.rad - drift.angle_rad;
+        let heading_error_rad = self.heading_error(heading_rad, state.heading_rad);
+        let preview_radps = self.preview_radps(path, &here, foot_mps);
+        let planned_radps = here.foot.curvature_radpm * foot_mps + preview_radps;
+        let planned_drift_radps = self.planned_drift_radps(dt_s, state, planned_radps);
+        let course_radps = aim.radps - bias.radps + preview_radps;
+        Reference {
+            heading_rad: ssa(heading_rad),
+            heading_error_rad,
+            heading_rate_radps: (course_radps - planned_drift_radps) * drift.yaw_per_course,
+            yaw_per_course: drift.yaw_per_course,
+            speed_mps: self.surge_speed(input, &here, speed_mps, lead_m, heading_error_rad),
+            progress_m: here.progress_m,
+            cross_track_m: here.cross_track_m,
+            lead_m: self.ship.progress_m() - here.progress_m,
+            finished: here.progress_m >= path.length_m(),
+        }
+    }
+}
+
+/// Drift angle and what it does to the course.
+struct Drift {
+    angle_rad: f64,
+    yaw_per_course: f64,
+}
+
+impl Practical {
+    /// Drift angle β̂ = atan2(v_m + n̂ᵀŴ, u). Yawing turns the boat within the current, so the course turns by
+    /// χ̇ = r (1 − u·t̂ᵀŴ/U²): faster than the bow against the current, slower with it.
+    fn drift(&self, input: &GuidanceInput<'_>) -> Drift {
+        let bow = unit(input.state.heading_rad);
+        let along = bow.dot(input.water.current);
+        let across = input.water.sway_mps + bow.cross(input.water.current);
+        let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
+        let course_per_yaw = 1.0 - surge * along / (surge * surge + across * across);
+        let (least, most) = YAW_PER_COURSE;
+        Drift {
+            angle_rad: across.atan2(surge).clamp(-MAX_DRIFT_RAD, MAX_DRIFT_RAD),
+            yaw_per_course: if course_per_yaw > 0.0 { (1.0 / course_per_yaw).clamp(least, most) } else { most },
+        }
+    }
+
+    /// What the path's curvature will add to the turn rate within the preview time, rad/s.
+    fn preview_radps(&self, path: &helmlink_mission::path::Path, here: &Projection, foot_mps: f64) -> f64 {
+        let ahead_m = foot_mps.max(0.0) * self.settings.preview_s;
+        let ahead = point(path, here.progress_m + ahead_m).curvature_radpm;
+        (ahead - here.foot.curvature_radpm) * foot_mps
+    }
+
+    /// Rate of the drift angle that the planned turn brings, rad/s. Planned, not measured: fed back, the measured
+    /// one would raise the gain of the yaw loop.
+    fn planned_drift_radps(&mut self, dt_s: f64, state: &VesselState, planned_radps: f64) -> f64 {
+        let surge = state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
+        self.planned_sway.step(dt_s, &self.hull, surge, planned_radps, 0.0);
+        self.planned_sway.rate_mps2() * surge / (surge * surge + self.planned_sway.sway_mps().powi(2))
+    }
+
+    /// Virtual control α_u: the paper's law projected on the path's tangent.
+    fn surge_speed(
+        &self,
+        input: &GuidanceInput<'_>,
+        here: &Projection,
+        speed_mps: f64,
+        lead_m: f64,
+        heading_error_rad: f64,
+    ) -> f64 {
+        let state = input.state;
+        let along_current = unit(state.heading_rad).dot(input.water.current);
+        let slope = speed_mps / self.settings.lead_softness_m;
+        let lead_error = (self.ship.progress_m() - here.progress_m) - lead_m;
+        let (sin, cos) = ssa(here.foot.heading_rad - state.heading_rad).sin_cos();
+        let sway = input.water.sway_mps + unit(state.heading_rad).cross(input.water.current);
+        let along = slope * lead_error + self.ship.speed_mps() - sway * sin;
+        let wanted = (along / cos.max(LEAST_COSINE)).min(MOST_SPEED_PART * speed_mps);
+
+        // Keep steerage way through the water; turn first when far off the heading.
+        let least = self.limits.steerage_mps + along_current;
+        let most = (self.limits.speed_max_mps + along_current).max(least);
+        let forward = (heading_error_rad.cos() / TURN_FIRST_COSINE).clamp(0.0, 1.0);
+        let slow = least.max(0.0);
+        (slow + forward * (wanted - slow)).clamp(least.max(0.0), most.max(0.0))
+    }
+}

@@ -1,0 +1,57 @@
+//! The path as guidance sees it: it goes on straight beyond both ends.
+
+use helmlink_mission::geodesy::NorthEast;
+use helmlink_mission::path::{Path, PathPoint};
+
+use super::unit;
+
+/// The boat's place relative to the path.
+#[derive(Debug, Clone, Copy)]
+pub struct Projection {
+    /// Arc length s_p; below zero before the start, beyond the length past the end, m.
+    pub progress_m: f64,
+    /// Point of the path there.
+    pub foot: PathPoint,
+    /// Distance right of the path, m.
+    pub cross_track_m: f64,
+}
+
+/// Point of the path at arc length `progress_m`, continued straight beyond both ends.
+#[must_use]
+pub fn point(path: &Path, progress_m: f64) -> PathPoint {
+    let inside = progress_m.clamp(0.0, path.length_m());
+    let mut point = path.point(inside);
+    let beyond = progress_m - inside;
+    if beyond != 0.0 {
+        point.position = point.position + unit(point.heading_rad) * beyond;
+        point.curvature_radpm = 0.0;
+    }
+    point
+}
+
+/// Projects `position` on the path, near arc length `near_m`, so that it never jumps to another leg.
+#[must_use]
+pub fn project(path: &Path, position: NorthEast, near_m: f64) -> Projection {
+    let length = path.length_m();
+    let mut progress_m = path.project(position, near_m.clamp(0.0, length));
+    let end = path.point(progress_m);
+    let along = unit(end.heading_rad).dot(position - end.position);
+    if (progress_m >= length && along > 0.0) || (progress_m <= 0.0 && along < 0.0) {
+        progress_m += along;
+    }
+    let foot = point(path, progress_m);
+    let cross_track_m = unit(foot.heading_rad).cross(position - foot.position);
+    Projection { progress_m, foot, cross_track_m }
+}
+
+/// Speed of the foot along the path ṡ_p, m/s: `velocity` along the tangent, over 1 − κe.
+///
+/// Inside a turn (e toward its centre) the foot runs ahead of the boat, outside it lags. At the centre itself
+/// the projection is singular; the divisor is kept away from zero there.
+#[must_use]
+pub fn foot_speed_mps(projection: &Projection, velocity: NorthEast) -> f64 {
+    /// Least value of 1 − κe.
+    const LEAST_RATIO: f64 = 0.3;
+    let ratio = 1.0 - projection.foot.curvature_radpm * projection.cross_track_m;
+    unit(projection.foot.heading_rad).dot(velocity) / ratio.max(LEAST_RATIO)
+}
