@@ -1,1 +1,3 @@
 //! Helmlink steers an uncrewed boat along its mission.
+
+pub mod link;
