@@ -12,15 +12,21 @@
 //!
 //! This crate knows frames, not what a message means.
 
+mod candidate;
 pub mod dialect;
 pub mod encoder;
 pub mod enums;
 pub mod frame;
 pub mod framer;
+mod layout;
 pub mod stats;
 pub mod tlog;
 
 pub use dialect::Message;
+pub use encoder::{EncodeError, Encoder};
+pub use frame::{DecodeError, Frame, FrameError, Identity, Version};
+pub use framer::Framer;
+pub use stats::LinkStatistics;
 
 /// One peer of a party: a TCP client, a UDP remote, a serial port, an in-memory link.
 ///
