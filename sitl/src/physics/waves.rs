@@ -1,0 +1,232 @@
+//! First-order wave motion: a long-crested JONSWAP sea as a sum of sines, met at the hull's own place.
+//!
+//! The motion is an oscillation about the low-frequency position of the hull. It is added to what the sensors
+//! see and never to the hull state itself (Fossen 2021, §8.2 and §10.2: superposition of wave-frequency and
+//! low-frequency motion).
+
+use super::GRAVITY_MPS2;
+use super::hull::{Hull, WaveResponse};
+use super::random::Stream;
+use super::sea::Waves;
+use std::f64::consts::TAU;
+
+/// Number of sines. Their frequencies are drawn at random within equal bands, so the sum does not repeat.
+const COMPONENTS: usize = 25;
+/// Band of frequencies, as multiples of the peak frequency: holds 98 % of the energy of the spectrum.
+const BAND: (f64, f64) = (0.6, 3.0);
+/// JONSWAP peak enhancement (Hasselmann et al. 1973; MSS waveSpectrum.m).
+const PEAK_ENHANCEMENT: f64 = 3.3;
+/// Yaw that a real, short-crested sea excites whatever the heading, as a share of that in quartering seas.
+const SHORT_CRESTED_YAW: f64 = 0.35;
+/// Below this angle a rotation by its series is exact to 1e-9, rad.
+const SMALL_ANGLE_RAD: f64 = 0.1;
+
+/// Wave-frequency motion of the hull about its low-frequency position.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WaveMotion {
+    /// Offset to the north, m.
+    pub north_m: f64,
+    /// Offset to the east, m.
+    pub east_m: f64,
+    /// Offset upward, m.
+    pub heave_m: f64,
+    /// Offset of the heading, rad.
+    pub psi_rad: f64,
+    /// Roll, positive to starboard, rad.
+    pub roll_rad: f64,
+    /// Pitch, positive bow up, rad.
+    pub pitch_rad: f64,
+    /// Velocity to the north, m/s.
+    pub north_mps: f64,
+    /// Velocity to the east, m/s.
+    pub east_mps: f64,
+    /// Yaw rate, rad/s.
+    pub r_radps: f64,
+    /// Elevation of the undisturbed water at the hull, m.
+    pub elevation_m: f64,
+}
+
+/// One sine: wave of amplitude a at phase θ = ωt − kx + φ.
+#[derive(Debug, Clone, Copy, Default)]
+struct Component {
+    amplitude_m: f64,
+    /// Amplitude after averaging over the hull's length, m.
+    felt_m: f64,
+    omega_radps: f64,
+    wavenumber_per_m: f64,
+    cos: f64,
+    sin: f64,
+}
+
+/// The waves around one hull.
+#[derive(Debug, Clone)]
+pub(super) struct WaveField {
+    components: [Component; COMPONENTS],
+    response: WaveResponse,
+    toward_rad: f64,
+    toward_north: f64,
+    toward_east: f64,
+}
+
+impl WaveField {
+    pub(super) fn new(waves: &Waves, response: WaveResponse, hull: &Hull, stream: &mut Stream) -> WaveField {
+        let toward_rad = (waves.from_deg + 180.0).to_radians();
+        let (toward_east, toward_north) = toward_rad.sin_cos();
+        let peak_radps = TAU / waves.period_s;
+        let width_radps = (BAND.1 - BAND.0) * peak_radps / COMPONENTS as f64;
+        let mut components = [Component::default(); COMPONENTS];
+        let mut energy = 0.0;
+        for (i, component) in components.iter_mut().enumerate() {
+            let omega_radps = BAND.0 * peak_radps + (i as f64 + stream.uniform()) * width_radps;
+            let (sin, cos) = (TAU * stream.uniform()).sin_cos();
+            let wavenumber_per_m = omega_radps * omega_radps / GRAVITY_MPS2;
+            let amplitude_m = jonswap_shape(omega_radps / peak_radps).sqrt();
+            energy += 0.5 * amplitude_m * amplitude_m;
+            *component = Component { amplitude_m, felt_m: 0.0, omega_radps, wavenumber_per_m, cos, sin };
+        }
+        // H_s = 4σ: the elevation has exactly the variance asked for.
+        let scale = 0.25 * waves.height_m / energy.sqrt();
+        for component in &mut components {
+            component.amplitude_m *= scale;
+            // Mean of the wave over the length, sin(kL/2)/(kL/2) ≈ exp(−(kL)²/24).
+            let span = component.wavenumber_per_m * hull.length_m;
+            component.felt_m = component.amplitude_m * (-span * span / 24.0).exp();
+        }
+        WaveField { components, response, toward_rad, toward_north, toward_east }
+    }
+
+    /// Advances by `dt_s` at the hull's velocity over ground and returns the motion at its heading.
+    ///
+    /// The phase of each sine turns at its frequency of encounter ω − k·U, U the speed along the waves.
+    pub(super) fn step(&mut self, dt_s: f64, psi_rad: f64, north_mps: f64, east_mps: f64) -> WaveMotion {
+        let along_mps = north_mps * self.toward_north + east_mps * self.toward_east;
+        let (mut elevation, mut heave, mut slope) = (0.0, 0.0, 0.0);
+        let (mut shift, mut shift_rate, mut heave_rate) = (0.0, 0.0, 0.0);
+        for component in &mut self.components {
+            let encounter_radps = component.omega_radps - component.wavenumber_per_m * along_mps;
+            component.turn(encounter_radps * dt_s);
+            let (cos, sin, felt) = (component.cos, component.sin, component.felt_m);
+            elevation += component.amplitude_m * cos;
+            heave += felt * cos;
+            slope += felt * component.wavenumber_per_m * sin;
+            // Water particles in deep water move on circles: horizontally a·sin θ along the waves.
+            shift += felt * sin;
+            shift_rate += felt * encounter_radps * cos;
+            heave_rate -= felt * encounter_radps * sin;
+        }
+        let (sin_mu, cos_mu) = (self.toward_rad - psi_rad).sin_cos();
+        let quartering = 2.0 * (sin_mu * cos_mu).abs();
+        let yaw = self.response.yaw_rad_per_m * (SHORT_CRESTED_YAW + (1.0 - SHORT_CRESTED_YAW) * quartering);
+        WaveMotion {
+            north_m: shift * self.toward_north,
+            east_m: shift * self.toward_east,
+            heave_m: heave,
+            psi_rad: yaw * heave,
+            roll_rad: -self.response.roll_factor * slope * sin_mu,
+            pitch_rad: self.response.pitch_factor * slope * cos_mu,
+            north_mps: shift_rate * self.toward_north,
+            east_mps: shift_rate * self.toward_east,
+            r_radps: yaw * heave_rate,
+            elevation_m: elevation,
+        }
+    }
+
+    /// Direction the waves run toward, rad.
+    pub(super) fn toward_rad(&self) -> f64 {
+        self.toward_rad
+    }
+}
+
+impl Component {
+    /// Turns the phasor by `angle_rad`. Steps are short, so the series does without the library's sine; the
+    /// last line keeps the phasor's length at one.
+    fn turn(&mut self, angle_rad: f64) {
+        let (sin, cos) = if angle_rad.abs() < SMALL_ANGLE_RAD {
+            let square = angle_rad * angle_rad;
+            let sin = angle_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+            (sin, 1.0 - 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0)))
+        } else {
+            angle_rad.sin_cos()
+        };
+        let turned_cos = self.cos * cos - self.sin * sin;
+        let turned_sin = self.sin * cos + self.cos * sin;
+        let correction = 1.5 - 0.5 * (turned_cos * turned_cos + turned_sin * turned_sin);
+        self.cos = turned_cos * correction;
+        self.sin = turned_sin * correction;
+    }
+}
+
+/// JONSWAP spectrum over the relative frequency ω/ω_p, without its scale (Fossen 2021, eq. 10.54).
+fn jonswap_shape(ratio: f64) -> f64 {
+    let sigma = if ratio <= 1.0 { 0.07 } else { 0.09 };
+    let peak = (-((ratio - 1.0) / sigma).powi(2) / 2.0).exp();
+    ratio.powi(-5) * (-1.25 * ratio.powi(-4)).exp() * PEAK_ENHANCEMENT.powf(peak)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::random::Source;
+
+    fn field(text: &str, seed: u64) -> WaveField {
+        let hull = Hull::builtin("otter").unwrap();
+        let mut stream = Stream::new(seed, Source::WavePhases);
+        WaveField::new(&text.parse().unwrap(), hull.waves.unwrap(), &hull, &mut stream)
+    }
+
+    fn elevations(field: &mut WaveField, north_mps: f64) -> Vec<f64> {
+        (0..200_000).map(|_| field.step(0.01, 0.0, north_mps, 0.0).elevation_m).collect()
+    }
+
+    /// Mean period of the upward zero crossings, s.
+    fn crossing_period_s(samples: &[f64]) -> f64 {
+        let ups = samples.windows(2).filter(|pair| pair[0] < 0.0 && pair[1] >= 0.0).count();
+        samples.len() as f64 * 0.01 / ups as f64
+    }
+
+    #[test]
+    fn significant_height_is_four_standard_deviations() {
+        for seed in 1..4 {
+            let samples = elevations(&mut field("0.35:2.8@0", seed), 0.0);
+            let variance = samples.iter().map(|eta| eta * eta).sum::<f64>() / samples.len() as f64;
+            let height_m = 4.0 * variance.sqrt();
+            assert!((height_m / 0.35 - 1.0).abs() < 0.03, "seed {seed}: {height_m}");
+        }
+    }
+
+    #[test]
+    fn periods_are_those_of_jonswap_and_shorten_against_the_waves() {
+        // T_z ≈ 0.78·T_p for γ = 3.3 (Fossen 2021, table 10.2 gives T_z = 0.777·T_p).
+        let still = crossing_period_s(&elevations(&mut field("0.35:2.8@0", 5), 0.0));
+        assert!((still / 2.8 - 0.78).abs() < 0.06, "{still}");
+        let against = crossing_period_s(&elevations(&mut field("0.35:2.8@0", 5), 1.5));
+        let with = crossing_period_s(&elevations(&mut field("0.35:2.8@180", 5), 1.5));
+        assert!(against < 0.8 * still && with > 1.2 * still, "{against} {still} {with}");
+    }
+
+    #[test]
+    fn rates_are_the_derivatives_of_the_motion() {
+        let mut field = field("0.35:2.8@40", 2);
+        let mut last = field.step(0.01, 0.4, 0.5, 0.2);
+        for _ in 0..1000 {
+            let next = field.step(0.01, 0.4, 0.5, 0.2);
+            let mean = |a: f64, b: f64| 0.5 * (a + b);
+            assert!(
+                ((next.north_m - last.north_m) / 0.01 - mean(next.north_mps, last.north_mps)).abs() < 2e-3
+            );
+            assert!(((next.psi_rad - last.psi_rad) / 0.01 - mean(next.r_radps, last.r_radps)).abs() < 2e-3);
+            last = next;
+        }
+    }
+
+    #[test]
+    fn phasors_keep_their_length_over_an_hour() {
+        let mut field = field("0.35:2.8@0", 9);
+        for _ in 0..360_000 {
+            field.step(0.01, 0.0, 1.0, 0.0);
+        }
+        for component in field.components {
+            assert!((component.cos.hypot(component.sin) - 1.0).abs() < 1e-9);
+        }
+    }
+}
