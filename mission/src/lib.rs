@@ -1,1 +1,13 @@
-//! .
+//! Missions as data, from the file a navigator drew to the curve a boat follows.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`angle`] | angles on the circle |
+//! | [`geodesy`] | positions on the WGS 84 ellipsoid and in a local north-east plane |
+//! | [`plan`] | mission items and the files they are kept in |
+//!
+//! Nothing here owns a socket, a file handle that outlives a call, or a clock.
+
+pub mod angle;
+pub mod geodesy;
+pub mod plan;
