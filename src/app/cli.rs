@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
-use crate::link::Url;
+use crate::link::LinkUrl;
 use crate::vehicle::{Mode, OutputKind};
 
 /// Steers an uncrewed boat along its mission, or simulates one.
@@ -131,7 +131,7 @@ pub struct DemoArgs {
     pub report: PathBuf,
     /// The address at which ground stations and the bridge find the boat; any free port if it is taken
     #[arg(long, default_value = "tcpin:127.0.0.1:5760", value_name = "URL")]
-    pub listen: Url,
+    pub listen: LinkUrl,
     /// By which messages the bridge steers
     #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
     pub output: OutputKind,
@@ -157,7 +157,7 @@ Ctrl-C: motors neutral, then the boat is let go.")]
 pub struct BridgeArgs {
     /// The flight controller: tcp:HOST:PORT, udpin:HOST:PORT, udpout:HOST:PORT or serial:DEVICE:BAUD
     #[arg(long, value_name = "URL", required_unless_present = "config")]
-    pub connect: Option<Url>,
+    pub connect: Option<LinkUrl>,
     /// The mission: `vehicle` for the one on the flight controller, or a file
     #[arg(long, default_value = "vehicle", value_name = "vehicle|FILE")]
     pub mission: String,
@@ -216,7 +216,7 @@ Then, for example: mavproxy.py --master tcp:127.0.0.1:5760")]
 pub struct SitlArgs {
     /// Where ground stations find the boat (repeatable)
     #[arg(long, value_name = "URL", default_value = "tcpin:127.0.0.1:5760")]
-    pub listen: Vec<Url>,
+    pub listen: Vec<LinkUrl>,
     /// How many times faster than real time
     #[arg(long, default_value_t = 1.0, value_name = "N")]
     pub speedup: f64,

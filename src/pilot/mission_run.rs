@@ -93,6 +93,7 @@ pub struct MissionRun {
     next: usize,
     last_step_s: Option<f64>,
     progress: Progress,
+    stretches: usize,
 }
 
 impl MissionRun {
@@ -121,6 +122,7 @@ impl MissionRun {
             next: 0,
             last_step_s: None,
             progress,
+            stretches: 0,
         }
     }
 
@@ -145,6 +147,11 @@ impl MissionRun {
             Phase::Driving(stretch) => Some(&stretch.path),
             _ => None,
         }
+    }
+
+    /// How many stretches have been started; a change means that [`Self::path`] is another one.
+    pub fn stretches(&self) -> usize {
+        self.stretches
     }
 
     /// Where the boat is on its mission.
@@ -260,6 +267,7 @@ impl MissionRun {
         let stretch = Stretch { path, last, first_waypoint: self.next, starts_at_boat: !is_there };
         self.helm.engage(state, 0.0)?;
         self.phase = Phase::Driving(stretch);
+        self.stretches += 1;
         Ok(())
     }
 

@@ -1,0 +1,147 @@
+//! Where a pure party meets sockets and the clock.
+
+use std::time::Duration;
+
+use helmlink_wire::LinkId;
+use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
+
+use crate::bridge::Bridge;
+use crate::link::{Hub, LinkEvent};
+
+/// Bytes put into one write at the most, so that a datagram stays below the usual path limit.
+const WRITE_LIMIT: usize = 1400;
+/// Events handled in one turn at the most: time has to pass for the party too.
+const EVENTS_PER_TURN: usize = 256;
+
+/// Something that talks with peers and never looks at a clock.
+///
+/// `now` is the time since the edge was started.
+pub trait Party {
+    /// A peer is there.
+    fn link_up(&mut self, now: Duration, link: LinkId);
+    /// A peer is gone.
+    fn link_down(&mut self, now: Duration, link: LinkId);
+    /// A peer has sent bytes; `is_datagram` when they are one whole datagram.
+    fn on_bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool);
+    /// Time has passed.
+    fn on_tick(&mut self, now: Duration);
+    /// The next frame to send.
+    fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)>;
+}
+
+impl Party for Bridge {
+    fn link_up(&mut self, now: Duration, link: LinkId) {
+        Self::link_up(self, now, link);
+    }
+
+    fn link_down(&mut self, now: Duration, link: LinkId) {
+        Self::link_down(self, now, link);
+    }
+
+    fn on_bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        Self::on_bytes(self, now, link, bytes, is_datagram);
+    }
+
+    fn on_tick(&mut self, now: Duration) {
+        Self::on_tick(self, now);
+    }
+
+    fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        Self::poll_transmit(self)
+    }
+}
+
+/// A party with its links and its clock.
+pub struct Edge<P> {
+    /// The party.
+    pub party: P,
+    hub: Hub,
+    start: Instant,
+    ticker: Interval,
+    write: Vec<u8>,
+}
+
+/// Something an edge has seen, for the log.
+pub enum Seen {
+    /// A peer came.
+    Up(String),
+    /// A peer went, and why.
+    Down(String),
+}
+
+impl<P: Party> Edge<P> {
+    /// An edge whose party is ticked every `tick`.
+    pub fn new(party: P, hub: Hub, tick: Duration) -> Self {
+        let mut ticker = interval(tick);
+        ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
+        Self { party, hub, start: Instant::now(), ticker, write: Vec::new() }
+    }
+
+    /// Time since the start.
+    pub fn now(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
+    pub async fn turn(&mut self) -> Option<Seen> {
+        let mut seen = None;
+        tokio::select! {
+            biased;
+            event = self.hub.next_event() => {
+                seen = self.handle(event);
+                for _ in 1..EVENTS_PER_TURN {
+                    let Some(event) = self.hub.try_next_event() else { break };
+                    seen = self.handle(event).or(seen);
+                }
+            }
+            _ = self.ticker.tick() => self.party.on_tick(self.start.elapsed()),
+        }
+        self.flush();
+        seen
+    }
+
+    /// Sends what the party has to say.
+    pub fn flush(&mut self) {
+        let mut to = None;
+        while let Some((link, frame)) = self.party.poll_transmit() {
+            if to != Some(link) || self.write.len() + frame.len() > WRITE_LIMIT {
+                self.write_out(to);
+                to = Some(link);
+            }
+            self.write.extend_from_slice(&frame);
+        }
+        self.write_out(to);
+    }
+
+    /// Sends what is waiting and closes all links.
+    pub async fn close(mut self) -> P {
+        self.flush();
+        self.hub.close().await;
+        self.party
+    }
+
+    fn write_out(&mut self, to: Option<LinkId>) {
+        if let Some(link) = to.filter(|_| !self.write.is_empty()) {
+            self.hub.send(link, &self.write);
+        }
+        self.write.clear();
+    }
+
+    fn handle(&mut self, event: LinkEvent) -> Option<Seen> {
+        let now = self.start.elapsed();
+        match event {
+            LinkEvent::Up { link, peer, .. } => {
+                self.party.link_up(now, link);
+                Some(Seen::Up(peer))
+            }
+            LinkEvent::Bytes { link, data, datagram } => {
+                self.party.on_bytes(now, link, &data, datagram);
+                None
+            }
+            LinkEvent::Down { link, reason } => {
+                self.party.link_down(now, link);
+                Some(Seen::Down(reason))
+            }
+        }
+    }
+}
