@@ -21,7 +21,8 @@ pub struct EndpointId(pub usize);
 /// What happens on the links of a hub. A link's events come in order: `Up`, any number of `Bytes`, `Down`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LinkEvent {
-    /// A peer is there. Sending to it is possible from now on.
+    /// A peer is there. Sending to it is possible from now on. The remote of a `udpout` endpoint comes up
+    /// as soon as the endpoint opens: only its answers can tell whether anybody is there.
     Up {
         /// Its number.
         link: LinkId,

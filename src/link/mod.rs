@@ -16,11 +16,13 @@
 //! |---|---|
 //! | [`url`] | link URLs |
 //! | [`hub`] | the owner of endpoints and peers |
+//! | [`error`] | why an endpoint could not be opened |
 //! | [`settings`] | every bound and waiting time |
 //! | [`memory`] | pairs of hubs without sockets, for tests |
 //! | `peer` | one peer: its number, its bounded queue, its counters |
 //! | `udp`, `tcp`, `serial` | the transports |
 //! | `stream` | what TCP and serial ports have in common |
+//! | `address` | host names to addresses, addresses to text |
 //! | `backoff` | waiting times between attempts |
 
 pub mod error;
@@ -29,6 +31,7 @@ pub mod memory;
 pub mod settings;
 pub mod url;
 
+mod address;
 mod backoff;
 mod peer;
 mod serial;

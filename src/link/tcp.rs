@@ -8,6 +8,7 @@ use socket2::{SockRef, TcpKeepalive};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
+use super::address::{name, resolve};
 use super::backoff::{Backoff, Complaints};
 use super::error::OpenError;
 use super::hub::Endpoint;
@@ -27,7 +28,7 @@ pub(super) async fn listen(
     url: &LinkUrl,
     at: &HostPort,
 ) -> Result<SocketAddr, OpenError> {
-    let addresses = super::udp::resolve(url, at).await?;
+    let addresses = resolve(url, at).await?;
     let bind_error = |error| OpenError::from_bind(url, at, error);
     let listener = TcpListener::bind(&addresses[..]).await.map_err(bind_error)?;
     let local_address = listener.local_addr().map_err(bind_error)?;
@@ -157,11 +158,6 @@ fn tune(stream: &TcpStream, endpoint: &Endpoint) -> io::Result<()> {
 fn discard_unread(stream: &TcpStream) {
     let mut buffer = [0; 4096];
     while matches!(stream.try_read(&mut buffer), Ok(count) if count > 0) {}
-}
-
-/// A remote address for people: IPv4 as such even on a socket for both families.
-pub(super) fn name(remote: SocketAddr) -> String {
-    SocketAddr::new(remote.ip().to_canonical(), remote.port()).to_string()
 }
 
 #[cfg(test)]

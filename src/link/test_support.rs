@@ -15,11 +15,13 @@ pub(super) async fn within<T>(what: &str, future: impl Future<Output = T>) -> T 
     }
 }
 
-/// Settings that retry quickly.
+/// Settings that retry quickly; closing a hub that has nothing left to write must not use up the time it has
+/// for that, which is beyond all patience here.
 pub(super) fn quick() -> LinkSettings {
     LinkSettings {
         retry_first: Duration::from_millis(1),
         retry_longest: Duration::from_millis(20),
+        flush: 10 * PATIENCE,
         ..LinkSettings::default()
     }
 }

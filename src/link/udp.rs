@@ -5,18 +5,17 @@
 //! sockets only.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 
-use tokio::net::{UdpSocket, lookup_host};
+use tokio::net::UdpSocket;
 use tokio::time::{Instant, sleep_until};
 
+use super::address::{name, resolve};
 use super::backoff::{Backoff, Complaints};
 use super::error::OpenError;
 use super::hub::Endpoint;
 use super::peer::{HubClosed, Outbox, Peer};
-use super::tcp::name;
 use super::url::{HostPort, LinkUrl};
 
 /// Largest datagram there is: none is ever cut short.
@@ -52,17 +51,6 @@ pub(super) async fn connect(
     let local_address = socket.local_addr().map_err(refused)?;
     start(endpoint, Remotes::only(socket, remote));
     Ok(local_address)
-}
-
-/// The addresses of a host, at least one.
-pub(super) async fn resolve(url: &LinkUrl, at: &HostPort) -> Result<Vec<SocketAddr>, OpenError> {
-    let unknown =
-        |source| OpenError::UnknownHost { url: url.to_string(), host: at.host().to_owned(), source };
-    let addresses: Vec<_> = lookup_host((at.host(), at.port())).await.map_err(unknown)?.collect();
-    if addresses.is_empty() {
-        return Err(unknown(io::Error::other("the resolver found none")));
-    }
-    Ok(addresses)
 }
 
 fn start(endpoint: Endpoint, mut remotes: Remotes) {

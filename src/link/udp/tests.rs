@@ -178,7 +178,7 @@ async fn works_over_ipv6() {
 
 #[tokio::test]
 async fn closing_sends_what_waits_and_frees_the_port() {
-    let mut hub = hub_at("udpin:127.0.0.1:0", LinkSettings::default()).await;
+    let mut hub = hub_at("udpin:127.0.0.1:0", quick()).await;
     let address = format!("udpin:127.0.0.1:{}", port(&hub));
     let socket = remote_of(&hub).await;
     socket.send(b"a").await.unwrap();
