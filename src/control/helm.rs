@@ -122,7 +122,7 @@ impl Helm {
         self.law.engage(state.surge_mps, state.yaw_rate_radps);
         self.allocator.reset();
         self.sway = SwayModel::default();
-        self.drift = DriftEstimator::default();
+        self.drift = DriftEstimator::starting_at(state);
         self.side_force_n = 0.0;
         Ok(())
     }

@@ -74,19 +74,11 @@ impl Hull {
     }
 }
 
-/// Surge regressor f_u: `[v r, u, |u|u, u³]`.
+/// Regressor f of either axis: `[coupling, rate, |rate| rate, rate³]`.
+///
+/// In surge `rate` is u and `coupling` is v r; in yaw `rate` is r and `coupling` is u v. All through the water.
 #[must_use]
-pub fn surge_regressor(motion: WaterMotion) -> Vector4<f64> {
-    damping_powers(motion.surge_mps, motion.sway_mps * motion.yaw_rate_radps)
-}
-
-/// Yaw regressor f_r: `[u v, r, |r|r, r³]`.
-#[must_use]
-pub fn yaw_regressor(motion: WaterMotion) -> Vector4<f64> {
-    damping_powers(motion.yaw_rate_radps, motion.surge_mps * motion.sway_mps)
-}
-
-fn damping_powers(rate: f64, coupling: f64) -> Vector4<f64> {
+pub fn regressor(coupling: f64, rate: f64) -> Vector4<f64> {
     Vector4::new(coupling, rate, rate.abs() * rate, rate * rate * rate)
 }
 

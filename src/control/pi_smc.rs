@@ -5,7 +5,7 @@ use super::axis::{AxisInput, AxisOutcome, SlidingAxis};
 use super::boat::Boat;
 use super::command::Wrench;
 use super::law::{Law, LawDiagnostics, LawInput};
-use super::model::{Hull, surge_regressor, yaw_regressor};
+use super::model::Hull;
 
 /// The controller of both axes.
 #[derive(Debug, Clone)]
@@ -47,19 +47,21 @@ impl Law for PiSmc {
 
     fn demand(&mut self, dt_s: f64, input: &LawInput<'_>) -> Wrench {
         let limit = self.yaw_rate_max_radps;
-        let reference = input.reference;
+        let LawInput { reference, motion, .. } = *input;
         let correction = self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
         let alpha_r = (correction + reference.heading_rate_radps).clamp(-limit, limit);
         let surge = AxisInput {
             target: reference.speed_mps,
             actual: input.state.surge_mps,
-            regressor: surge_regressor(input.motion),
+            drift: input.state.surge_mps - motion.surge_mps,
+            coupling: motion.sway_mps * motion.yaw_rate_radps,
             effect: self.hull.surge_effect(),
         };
         let yaw = AxisInput {
             target: alpha_r,
             actual: input.state.yaw_rate_radps,
-            regressor: yaw_regressor(input.motion),
+            drift: 0.0,
+            coupling: motion.surge_mps * motion.sway_mps,
             effect: self.hull.yaw_effect(),
         };
         self.last = Some((surge, yaw));

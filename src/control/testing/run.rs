@@ -147,7 +147,7 @@ pub(crate) fn box_points() -> Vec<NorthEast> {
 }
 
 pub(crate) fn box_path() -> Path {
-    Path::stub(&box_points(), 0.3)
+    Path::through(&box_points(), &helmlink_mission::path::PathLimits::new(4.0, 3.0)).unwrap()
 }
 
 struct Noise { size: f64, rng: rand_chacha::ChaCha8Rng, bias: [f64; 2] }
