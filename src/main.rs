@@ -1,3 +1,7 @@
 //! The `helmlink` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    helmlink::app::run()
+}

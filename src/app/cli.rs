@@ -64,12 +64,12 @@ pub struct Common {
 /// The boat and the sea of a simulation.
 #[derive(Debug, Clone, Args)]
 pub struct WorldArgs {
-    /// The boat: otter, monohull38, or another that `--boat list` names
+    /// The boat: otter, monohull38, outboard or motorboat
     #[arg(long, default_value = "otter")]
     pub boat: String,
-    /// The sea, scaled to the boat
-    #[arg(long, value_enum, default_value_t = SeaName::Calm)]
-    pub sea: SeaName,
+    /// The sea, scaled to the boat: calm, slight, moderate or rough
+    #[arg(long, default_value = "calm")]
+    pub sea: String,
     /// A steady current, m/s and the direction it flows TOWARD in degrees true, such as 0.3@30
     #[arg(long, value_name = "SPEED@TOWARD")]
     pub current: Option<String>,
@@ -79,34 +79,15 @@ pub struct WorldArgs {
     /// Waves: significant height in m, peak period in s, direction they come FROM, such as 0.3:2.8@200
     #[arg(long, value_name = "HS:TP@FROM")]
     pub waves: Option<String>,
-    /// How good the boat's sensors are
-    #[arg(long, value_enum, default_value_t = SensorName::Typical)]
-    pub sensors: SensorName,
+    /// How good the boat's sensors are: perfect, typical or poor
+    #[arg(long, default_value = "typical")]
+    pub sensors: String,
     /// Seed of everything random: the same seed gives the same run, bit for bit
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Where the boat starts: latitude, longitude and heading in degrees
     #[arg(long, value_name = "LAT,LON[,HEADING]")]
     pub home: Option<String>,
-}
-
-/// Ready-made seas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum SeaName {
-    Calm,
-    Slight,
-    Moderate,
-    Rough,
-}
-
-/// Ready-made sensor sets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum SensorName {
-    Perfect,
-    Typical,
-    Poor,
 }
 
 /// `helmlink demo`.

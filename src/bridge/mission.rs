@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use helmlink_mission::plan::Mission;
-use helmlink_mission::protocol::client::Download;
+use helmlink_mission::plan::{Item, Mission};
+use helmlink_mission::protocol::MissionType;
+use helmlink_mission::protocol::client::{Download, Exchange};
 use helmlink_mission::route::Route;
 use helmlink_wire::{Identity, Message};
 
@@ -52,9 +53,10 @@ impl MissionKeeper {
     }
 
     /// Reads the mission again: before engaging, since another may have been uploaded meanwhile.
-    pub(super) fn refresh(&mut self, now: Duration, own: Identity, vehicle: Identity) {
+    pub(super) fn refresh(&mut self, own: Identity, vehicle: Identity) {
         if self.from_vehicle && self.download.is_none() {
-            self.download = Some(Download::new(now, own, vehicle));
+            let exchange = Exchange::with_ardupilot(own, vehicle, MissionType::Mission);
+            self.download = Some(Download::new(exchange));
         }
     }
 
@@ -63,7 +65,7 @@ impl MissionKeeper {
         let known = self.loaded.as_ref().map_or(0, |mission| mission.items.len());
         // 65535: the vehicle does not say.
         if total != u16::MAX && usize::from(total) != known && now >= self.retry_at {
-            self.refresh(now, own, vehicle);
+            self.refresh(own, vehicle);
         }
     }
 
@@ -82,7 +84,7 @@ impl MissionKeeper {
     /// The next message to send, if any.
     pub(super) fn poll(&mut self, now: Duration, own: Identity, vehicle: Identity) -> Option<Message> {
         if self.loaded.is_none() && self.download.is_none() && now >= self.retry_at {
-            self.refresh(now, own, vehicle);
+            self.refresh(own, vehicle);
         }
         self.download.as_mut().and_then(|download| download.poll(now))
     }
@@ -92,10 +94,10 @@ impl MissionKeeper {
         if let Some(given) = self.given.take() {
             return Some(self.take_over(now, given));
         }
-        let outcome = self.download.as_ref()?.outcome()?;
+        let outcome = self.download.as_ref()?.outcome()?.cloned();
         self.download = None;
         match outcome {
-            Ok(mission) if self.loaded.as_ref() == Some(&mission) => None,
+            Ok(mission) if self.loaded.as_ref().is_some_and(|loaded| is_same(loaded, &mission)) => None,
             Ok(mission) => Some(self.take_over(now, mission)),
             Err(error) => Some(self.unusable(now, format!("the mission could not be read: {error}"))),
         }
@@ -120,4 +122,11 @@ impl MissionKeeper {
         self.complaint = Some(complaint.clone());
         News::Unusable(complaint)
     }
+}
+
+/// The same items, bit for bit: parameters that are not numbers are as good as any.
+fn is_same(one: &Mission, other: &Mission) -> bool {
+    let fixed = |item: &Item| (item.command, item.frame, item.x, item.y, item.z.to_bits(), item.params.map(f32::to_bits));
+    one.items.len() == other.items.len()
+        && one.items.iter().zip(&other.items).all(|(one, other)| fixed(one) == fixed(other))
 }

@@ -197,7 +197,7 @@ impl Bridge {
         if matches!(request, Request::Engage { .. })
             && let Some(vehicle) = self.vehicle
         {
-            self.mission.refresh(self.now, self.own(vehicle.id), vehicle.id);
+            self.mission.refresh(self.own(vehicle.id), vehicle.id);
         }
         let conditions = self.conditions();
         let answer = self.supervisor.request(self.now.as_secs_f64(), request, &conditions);

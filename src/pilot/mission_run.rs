@@ -40,6 +40,8 @@ pub struct Progress {
     pub cross_track_m: f64,
     /// Distance still to go along this stretch and the straight legs after it, metres.
     pub to_go_m: f64,
+    /// Speed over ground, m/s.
+    pub speed_mps: f64,
     /// The speed that the mission wants on this leg, m/s.
     pub wanted_speed_mps: f64,
     /// The last waypoint has been reached.
@@ -107,6 +109,7 @@ impl MissionRun {
             total: waypoints.len(),
             cross_track_m: 0.0,
             to_go_m: 0.0,
+            speed_mps: 0.0,
             wanted_speed_mps: settings.speed_mps,
             complete: false,
         };
@@ -227,6 +230,7 @@ impl MissionRun {
         }
         let to_stop_m = stretch.path.length_m() - place_m;
         self.progress.cross_track_m = reference.cross_track_m;
+        self.progress.speed_mps = state.surge_mps.hypot(state.sway_mps);
         self.progress.wanted_speed_mps = wanted_mps;
         self.progress.to_go_m = to_stop_m.max(0.0) + self.straight_distance_m(stretch.last);
         if reference.finished || to_stop_m <= ARRIVAL_M {

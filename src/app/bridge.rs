@@ -1,0 +1,209 @@
+//! `helmlink bridge`: steers a boat through its flight controller.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use helmlink_wire::Identity;
+
+use super::cli::BridgeArgs;
+use super::console;
+use super::edge::{Edge, Seen};
+use super::failure::Failure;
+use super::mission;
+use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
+use crate::control::Boat;
+use crate::link::{Hub, LinkSettings, LinkUrl};
+use crate::pilot::supervisor::{Request, State};
+
+/// After Ctrl-C the bridge has this long to stop the boat and let go.
+const STOPPING: Duration = Duration::from_secs(5);
+/// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
+const RATES_HZ: (f64, f64) = (2.0, 50.0);
+
+pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
+    let url = args.connect.clone().ok_or_else(|| {
+        Failure::usage("say where the flight controller is: --connect tcp:HOST:PORT, udpin:…, udpout:… or serial:DEVICE:BAUD")
+    })?;
+    let settings = settings(args)?;
+    let log = args.record.as_deref().map(LogFile::create).transpose()?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    runtime.block_on(drive(args, &url, settings, log))
+}
+
+/// The settings that the options ask for.
+fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
+    let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
+    if !(RATES_HZ.0..=RATES_HZ.1).contains(&args.rate) {
+        return Err(Failure::usage(format!("--rate {}: choose {} to {} Hz", args.rate, RATES_HZ.0, RATES_HZ.1)));
+    }
+    let speed_range = 0.1..=boat.limits.speed_max_mps;
+    if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
+        return Err(Failure::usage(format!(
+            "--speed must lie between {} and {} m/s for boat {}",
+            speed_range.start(),
+            speed_range.end(),
+            boat.name
+        )));
+    }
+    let mission = match args.mission.as_str() {
+        "vehicle" if args.shadow => {
+            return Err(Failure::usage(
+                "--shadow sends nothing, so it cannot ask the vehicle for its mission: give --mission FILE",
+            ));
+        }
+        "vehicle" => MissionSource::Vehicle,
+        file => MissionSource::Given(mission::load(Path::new(file))?.mission),
+    };
+    Ok(BridgeSettings {
+        mission,
+        output: args.output,
+        speed_mps: args.speed,
+        control_interval_s: 1.0 / args.rate,
+        engage: args.engage,
+        engage_mode: args.engage_mode,
+        may_arm: args.arm,
+        end_mode: args.end_mode,
+        shadow: args.shadow,
+        ground_station_system: args.gcs_system,
+        ..BridgeSettings::new(boat)
+    })
+}
+
+async fn drive(
+    args: &BridgeArgs,
+    url: &LinkUrl,
+    settings: BridgeSettings,
+    mut log: Option<LogFile>,
+) -> Result<(), Failure> {
+    let mut hub = Hub::new(LinkSettings::default());
+    hub.open(url).await.map_err(Failure::usage)?;
+    let mut bridge = Bridge::new(settings);
+    if log.is_some() {
+        bridge.keep_journal(unix_time_us());
+    }
+    let mut edge = Edge::new(bridge, hub, TICK);
+    tracing::info!("connecting to {url}");
+    let mut watch = Watch::new(args);
+    let mut interrupt = std::pin::pin!(interrupted());
+    let ending = loop {
+        tokio::select! {
+            biased;
+            () = &mut interrupt => break Ok(()),
+            seen = edge.turn() => watch.look(&edge, seen),
+        }
+        say_events(&mut edge);
+        write_log(&mut edge, &mut log);
+        if let Some(ending) = watch.ending(&edge, url) {
+            break ending;
+        }
+    };
+    stop(&mut edge, &mut log).await;
+    edge.close().await;
+    ending
+}
+
+/// Decides when the command ends by itself.
+struct Watch {
+    once: bool,
+    wait: Duration,
+    found: Option<Identity>,
+}
+
+impl Watch {
+    fn new(args: &BridgeArgs) -> Self {
+        let wait = Duration::try_from_secs_f64(args.wait).unwrap_or(Duration::MAX);
+        Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
+    }
+
+    fn look(&mut self, edge: &Edge<Bridge>, seen: Option<Seen>) {
+        match seen {
+            Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
+            Some(Seen::Down(reason)) => tracing::warn!("link down: {reason}"),
+            None => {}
+        }
+        self.found = self.found.or(edge.party.status().vehicle);
+    }
+
+    fn ending(&self, edge: &Edge<Bridge>, url: &LinkUrl) -> Option<Result<(), Failure>> {
+        if let Some(refusal) = edge.party.refusal() {
+            return Some(Err(Failure::usage(refusal)));
+        }
+        if self.found.is_none() && edge.now() > self.wait {
+            let seconds = self.wait.as_secs_f64();
+            return Some(Err(Failure::no_link(format!(
+                "no heartbeat of a flight controller on {url} for {seconds:.0} s: check that it is powered, the \
+                 address and the baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2); --wait 0 waits for ever"
+            ))));
+        }
+        (self.once && edge.party.status().state == State::Finished).then_some(Ok(()))
+    }
+}
+
+/// Stops the boat, lets go, and waits until that is done.
+async fn stop(edge: &mut Edge<Bridge>, log: &mut Option<LogFile>) {
+    let now = edge.now();
+    edge.party.request(now, Request::Stop).ok();
+    edge.flush();
+    let deadline = now + STOPPING;
+    while edge.party.status().state != State::Stopped && edge.now() < deadline {
+        edge.turn().await;
+    }
+    say_events(edge);
+    edge.flush();
+    write_log(edge, log);
+}
+
+fn say_events(edge: &mut Edge<Bridge>) {
+    while let Some(event) = edge.party.poll_event() {
+        console::log(&event);
+    }
+}
+
+fn write_log(edge: &mut Edge<Bridge>, log: &mut Option<LogFile>) {
+    let records = edge.party.take_journal();
+    if let Some(open) = log.as_mut().filter(|_| !records.is_empty())
+        && let Err(error) = open.file.write_all(&records)
+    {
+        // Steering goes on: a full disk must not stop a boat in the middle of a channel.
+        tracing::error!("recording has ended: cannot write {}: {error}", open.path.display());
+        *log = None;
+    }
+}
+
+/// A telemetry log being written.
+struct LogFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl LogFile {
+    fn create(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(format!("helmlink-{}.tlog", unix_time_us() / 1_000_000));
+        let fault = |error: std::io::Error| Failure::usage(format!("--record: cannot write {}: {error}", path.display()));
+        fs::create_dir_all(folder).map_err(fault)?;
+        let file = File::create(&path).map_err(fault)?;
+        Ok(Self { path, file })
+    }
+}
+
+pub(super) fn unix_time_us() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64)
+}
+
+/// Ctrl-C, or the signal with which services are ended.
+pub(super) async fn interrupted() {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = tokio::signal::ctrl_c() => {}
+                _ = terminate.recv() => {}
+            }
+            return;
+        }
+    }
+    tokio::signal::ctrl_c().await.ok();
+}

@@ -1,0 +1,218 @@
+//! The demonstration's ground station: uploads the mission, arms the boat, disarms it in the end.
+//!
+//! It talks to the boat over a link of its own, as any ground station would.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use helmlink_mission::plan::Mission;
+use helmlink_mission::protocol::MissionType;
+use helmlink_mission::protocol::client::{Exchange, Upload};
+use helmlink_wire::dialect::HEARTBEAT_DATA;
+use helmlink_wire::{Encoder, Framer, Identity, LinkId, Message, enums};
+
+use super::edge::Party;
+use crate::vehicle::streams::command_long;
+use crate::vehicle::telemetry::{Sender, classify};
+use crate::vehicle::{StreamRequests, Telemetry};
+
+/// Who the ground station is.
+const OWN: Identity = Identity { system: 255, component: enums::MAV_COMP_ID_MISSIONPLANNER };
+/// Interval of its heartbeat, and of repeated requests.
+const INTERVAL: Duration = Duration::from_secs(1);
+/// How often it wants to hear where the boat is, seconds.
+const STREAM_INTERVAL_S: f64 = 0.5;
+
+/// What it is doing.
+#[derive(Debug)]
+enum Task {
+    /// Waiting for the boat.
+    Finding,
+    /// Sending the mission.
+    Uploading(Box<Upload>),
+    /// Waiting for a position, then arming.
+    Arming,
+    /// The boat is armed; the bridge drives.
+    Watching,
+    /// The run is over: disarming.
+    Disarming,
+    /// Done, or failed: why.
+    Ended(Option<String>),
+}
+
+/// A ground station that prepares one run.
+pub(super) struct GroundStation {
+    mission: Mission,
+    link: Option<LinkId>,
+    framer: Framer,
+    encoder: Encoder,
+    outbox: VecDeque<Vec<u8>>,
+    vehicle: Option<Identity>,
+    telemetry: Telemetry,
+    streams: StreamRequests,
+    task: Task,
+    last_heartbeat: Option<Duration>,
+    last_request: Option<Duration>,
+    notes: VecDeque<String>,
+}
+
+impl GroundStation {
+    /// A ground station that will upload `mission`.
+    pub(super) fn new(mission: Mission) -> Self {
+        Self {
+            mission,
+            link: None,
+            framer: Framer::new(),
+            encoder: Encoder::new(),
+            outbox: VecDeque::new(),
+            vehicle: None,
+            telemetry: Telemetry::default(),
+            streams: StreamRequests::new(STREAM_INTERVAL_S),
+            task: Task::Finding,
+            last_heartbeat: None,
+            last_request: None,
+            notes: VecDeque::new(),
+        }
+    }
+
+    /// Something for the log.
+    pub(super) fn poll_note(&mut self) -> Option<String> {
+        self.notes.pop_front()
+    }
+
+    /// The mission is on board and the boat is armed.
+    pub(super) fn is_watching(&self) -> bool {
+        matches!(self.task, Task::Watching)
+    }
+
+    /// Ends the run: disarms the boat.
+    pub(super) fn disarm(&mut self) {
+        self.task = Task::Disarming;
+        self.last_request = None;
+    }
+
+    /// The boat is disarmed.
+    pub(super) fn is_done(&self) -> bool {
+        matches!(self.task, Task::Ended(None))
+    }
+
+    /// Why the run could not be prepared.
+    pub(super) fn failure(&self) -> Option<&str> {
+        match &self.task {
+            Task::Ended(failure) => failure.as_deref(),
+            _ => None,
+        }
+    }
+
+    fn on_message(&mut self, now: Duration, from: Identity, message: &Message) {
+        if let Message::HEARTBEAT(heartbeat) = message
+            && self.vehicle.is_none()
+            && classify(from, heartbeat) == Sender::Boat
+        {
+            self.vehicle = Some(from);
+            self.notes.push_back("ground station: found the boat, uploading the mission".to_owned());
+            let exchange = Exchange::with_ardupilot(OWN, from, MissionType::Mission);
+            let upload = Upload::new(exchange, &self.mission);
+            self.task = Task::Uploading(Box::new(upload));
+        }
+        if self.vehicle == Some(from) {
+            self.streams.on_message(now, helmlink_wire::dialect::MessageSet::message_id(message));
+            self.telemetry.on_message(now, message);
+            if let Task::Uploading(upload) = &mut self.task {
+                upload.on_message(now, from, message);
+            }
+        }
+    }
+
+    fn work(&mut self, now: Duration) {
+        if is_due(&mut self.last_heartbeat, now) {
+            self.send(&Message::HEARTBEAT(HEARTBEAT_DATA {
+                mavtype: enums::MAV_TYPE_GCS,
+                autopilot: enums::MAV_AUTOPILOT_INVALID,
+                system_status: enums::MAV_STATE_ACTIVE,
+                mavlink_version: 3,
+                ..HEARTBEAT_DATA::DEFAULT
+            }));
+        }
+        let Some(vehicle) = self.vehicle else { return };
+        while let Some(message) = self.streams.poll(now, vehicle) {
+            self.send(&message);
+        }
+        match &mut self.task {
+            Task::Uploading(upload) => {
+                let (message, outcome) = (upload.poll(now), upload.outcome());
+                if let Some(message) = message {
+                    self.send(&message);
+                }
+                match outcome {
+                    Some(Ok(())) => {
+                        self.notes.push_back("ground station: mission uploaded, arming the boat".to_owned());
+                        self.task = Task::Arming;
+                    }
+                    Some(Err(error)) => {
+                        self.task = Task::Ended(Some(format!("the mission could not be uploaded: {error}")));
+                    }
+                    None => {}
+                }
+            }
+            Task::Arming if self.telemetry.is_armed() => self.task = Task::Watching,
+            Task::Arming if self.telemetry.estimator_is_ready() => self.ask_to_arm(now, vehicle, true),
+            Task::Disarming if !self.telemetry.is_armed() => self.task = Task::Ended(None),
+            Task::Disarming => self.ask_to_arm(now, vehicle, false),
+            _ => {}
+        }
+    }
+
+    fn ask_to_arm(&mut self, now: Duration, vehicle: Identity, arm: bool) {
+        if is_due(&mut self.last_request, now) {
+            let params = [f32::from(u8::from(arm)), 0.0, 0.0];
+            self.send(&command_long(vehicle, enums::MAV_CMD_COMPONENT_ARM_DISARM, params));
+        }
+    }
+
+    fn send(&mut self, message: &Message) {
+        let mut frame = Vec::new();
+        self.encoder.encode(OWN, message, &mut frame);
+        self.outbox.push_back(frame);
+    }
+}
+
+/// True once per interval.
+fn is_due(last: &mut Option<Duration>, now: Duration) -> bool {
+    let due = last.is_none_or(|then| now.saturating_sub(then) >= INTERVAL);
+    if due {
+        *last = Some(now);
+    }
+    due
+}
+
+impl Party for GroundStation {
+    fn link_up(&mut self, _now: Duration, link: LinkId) {
+        self.link = Some(link);
+    }
+
+    fn link_down(&mut self, _now: Duration, link: LinkId) {
+        if self.link == Some(link) {
+            self.link = None;
+        }
+    }
+
+    fn on_bytes(&mut self, now: Duration, _link: LinkId, bytes: &[u8], _is_datagram: bool) {
+        self.framer.push(bytes);
+        while let Some((from, message)) = self.framer.next_frame().map(|frame| (frame.identity(), frame.decode())) {
+            if let Ok(message) = message {
+                self.on_message(now, from, &message);
+            }
+        }
+        self.work(now);
+    }
+
+    fn on_tick(&mut self, now: Duration) {
+        self.work(now);
+    }
+
+    fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        let link = self.link?;
+        self.outbox.pop_front().map(|frame| (link, frame))
+    }
+}

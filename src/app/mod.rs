@@ -1,0 +1,83 @@
+//! The subcommands: wiring only, one file each.
+
+mod bridge;
+pub mod cli;
+mod config;
+mod console;
+mod demo;
+pub mod edge;
+mod failure;
+mod ground_station;
+mod mission;
+mod paced_sitl;
+mod result;
+mod simulate;
+mod sitl;
+mod world;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches};
+
+use self::cli::{Cli, Command, MissionCommand};
+use self::failure::Failure;
+
+/// Runs the command line that the process was started with; logs on standard error, results on standard output.
+pub fn run() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let cli = match read(&arguments) {
+        Ok(Some(cli)) => cli,
+        Ok(None) => return ExitCode::SUCCESS,
+        Err(failure) => return report(&failure),
+    };
+    console::start_logging(cli.command.common());
+    match dispatch(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => report(&failure),
+    }
+}
+
+/// The command line, with the configuration file merged in; none when everything has been said already.
+fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
+    let command = Cli::command();
+    let first = match command.clone().try_get_matches_from(arguments) {
+        Ok(matches) => matches,
+        Err(error) => return clap_ended(&error),
+    };
+    let merged = config::merge(arguments, &command, &first)?;
+    let matches = match command.try_get_matches_from(&merged) {
+        Ok(matches) => matches,
+        Err(error) => return clap_ended(&error),
+    };
+    let cli = Cli::from_arg_matches(&matches).map_err(Failure::usage)?;
+    if cli.command.common().dry_run {
+        console::say(&config::describe(&first, &matches));
+        return Ok(None);
+    }
+    Ok(Some(cli))
+}
+
+/// Help and version go to standard output and are no failure.
+fn clap_ended(error: &clap::Error) -> Result<Option<Cli>, Failure> {
+    if error.use_stderr() {
+        return Err(Failure::usage(error.render().to_string().trim_start_matches("error: ").trim_end()));
+    }
+    console::say(error.render().to_string().trim_end());
+    Ok(None)
+}
+
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Demo(args) => demo::run(&args),
+        Command::Bridge(args) => bridge::run(&args),
+        Command::Sitl(args) => sitl::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Mission(MissionCommand::Check(args)) => mission::check(&args),
+    }
+}
+
+fn report(failure: &Failure) -> ExitCode {
+    console::complain(&failure.to_string());
+    failure.exit_code()
+}

@@ -1,0 +1,161 @@
+//! The result of a run: JSON for programs, a few lines for people, a folder to keep.
+
+use std::fs;
+use std::path::Path;
+
+use helmlink_wire::tlog;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::world::World;
+use crate::report::{self, Run};
+use crate::simulation::score::{Score, Spread};
+use crate::simulation::{Outcome, RunRecorder};
+
+/// One run, as `--json` prints it.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct RunResult {
+    mission: String,
+    boat: String,
+    controller: &'static str,
+    output: &'static str,
+    sea: String,
+    sensors: String,
+    seed: u64,
+    completed: bool,
+    simulated_s: f64,
+    #[serde(flatten)]
+    score: Option<Score>,
+    realtime_factor: f64,
+    commands: u64,
+    commands_sha256: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    complaint: Option<String>,
+}
+
+/// What was run, for the result.
+pub(super) struct Subject<'a> {
+    pub(super) mission: String,
+    pub(super) world: &'a World,
+    pub(super) controller: &'static str,
+    pub(super) output: &'static str,
+}
+
+impl RunResult {
+    pub(super) fn new(subject: &Subject<'_>, outcome: Outcome, wall_s: f64) -> Self {
+        Self {
+            mission: subject.mission.clone(),
+            boat: subject.world.hull.name.clone(),
+            controller: subject.controller,
+            output: subject.output,
+            sea: subject.world.sea_text.clone(),
+            sensors: subject.world.sensors_text.clone(),
+            seed: subject.world.seed,
+            completed: outcome.completed,
+            simulated_s: outcome.simulated_s,
+            score: outcome.score,
+            realtime_factor: outcome.simulated_s / wall_s.max(1e-9),
+            commands: outcome.commands,
+            commands_sha256: outcome.commands_sha256,
+            complaint: outcome.complaint,
+        }
+    }
+
+    /// The mission was driven to its end.
+    ///
+    /// # Errors
+    /// It was not: why, as far as is known.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        if self.completed {
+            return Ok(());
+        }
+        let why = self.complaint.as_deref().unwrap_or("the time limit was reached (see --limit)");
+        Err(Failure::failed(format!("the mission was not completed: {why}")))
+    }
+
+    /// One JSON object.
+    pub(super) fn json(&self) -> Result<String, Failure> {
+        serde_json::to_string_pretty(self).map_err(Failure::failed)
+    }
+
+    /// Label and value of each figure.
+    pub(super) fn figures(&self) -> Vec<(String, String)> {
+        let mut rows = vec![
+            ("mission".to_owned(), self.mission.clone()),
+            ("boat, controller".to_owned(), format!("{}, {}", self.boat, self.controller)),
+            ("sea, sensors".to_owned(), format!("{}; {}", self.sea, self.sensors)),
+            ("completed".to_owned(), if self.completed { "yes" } else { "no" }.to_owned()),
+        ];
+        if let Some(score) = &self.score {
+            let spread = |spread: &Option<Spread>| match spread {
+                Some(spread) => format!("{:.3} m rms, {:.3} m max", spread.rms, spread.max),
+                None => "no samples".to_owned(),
+            };
+            let distance = format!("{:.0} m in {:.0} s", score.distance_m, score.duration_s);
+            rows.push(("distance".to_owned(), distance));
+            rows.push(("cross-track, whole".to_owned(), spread(&score.cross_track_m)));
+            rows.push(("cross-track, straight".to_owned(), spread(&score.cross_track_straight_m)));
+            rows.push(("cross-track, settled".to_owned(), spread(&score.cross_track_settled_m)));
+            rows.push(("off the smooth path".to_owned(), spread(&score.path_error_m)));
+            rows.push(("steering variation".to_owned(), format!("{:.2} per minute", score.steering_variation_per_min)));
+        }
+        rows.push(("speed of simulation".to_owned(), format!("{:.0} × real time", self.realtime_factor)));
+        rows
+    }
+
+    /// The figures as lines of text.
+    pub(super) fn text(&self) -> String {
+        let width = self.figures().iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+        let lines: Vec<String> =
+            self.figures().into_iter().map(|(label, value)| format!("  {label:<width$}  {value}")).collect();
+        lines.join("\n")
+    }
+}
+
+/// Name of the picture in a report folder.
+pub(super) const PICTURE: &str = "track.svg";
+
+/// Writes the picture, the result and the log into `folder`.
+///
+/// # Errors
+/// A file cannot be written: which, and why.
+pub(super) fn write_report(
+    folder: &Path,
+    result: &RunResult,
+    world: &World,
+    recorder: RunRecorder,
+    log: &[u8],
+) -> Result<(), Failure> {
+    let at = |name: &str| folder.join(name);
+    let fault = |path: &Path, error: std::io::Error| {
+        Failure::failed(format!("cannot write {}: {error}; choose another folder with --report", path.display()))
+    };
+    fs::create_dir_all(folder).map_err(|error| fault(folder, error))?;
+    let run = picture(result, world, recorder);
+    for (name, content) in [
+        (PICTURE, report::track_svg(&run).into_bytes()),
+        ("result.json", result.json()?.into_bytes()),
+        ("log.tlog", log.to_vec()),
+    ] {
+        fs::write(at(name), content).map_err(|error| fault(&at(name), error))?;
+    }
+    Ok(())
+}
+
+fn picture(result: &RunResult, world: &World, recorder: RunRecorder) -> Run {
+    let current = world.sea.current.map(|current| {
+        helmlink_mission::geodesy::NorthEast::from_polar(current.speed_mps, current.toward_deg.to_radians())
+    });
+    Run {
+        title: format!("{} drives {}", result.boat, result.mission),
+        subtitle: vec![format!("{}, sea: {}, sensors: {}", result.controller, result.sea, result.sensors)],
+        figures: result.figures(),
+        current,
+        ..recorder.into_run()
+    }
+}
+
+/// The number of frames in a log, to say so.
+pub(super) fn frames_in(log: &[u8]) -> usize {
+    tlog::TlogReader::new(log).filter(Result::is_ok).count()
+}

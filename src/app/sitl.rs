@@ -1,0 +1,101 @@
+//! `helmlink sitl`: the simulated boat alone.
+
+use std::time::Duration;
+
+use helmlink_mission::geodesy::Geodetic;
+use helmlink_mission::plan::Mission;
+use helmlink_sitl::{Sitl, SitlSettings};
+
+use super::bridge::interrupted;
+use super::cli::SitlArgs;
+use super::console;
+use super::edge::{Edge, Seen};
+use super::failure::Failure;
+use super::mission;
+use super::paced_sitl::{self, PacedSitl};
+use super::world::World;
+use crate::link::{Hub, LinkSettings};
+
+/// Where a boat lies when neither the user nor a mission says: Trondheim harbour, as in Fossen's Otter example.
+const DEFAULT_HOME: Geodetic = Geodetic { latitude_deg: 63.4389, longitude_deg: 10.399 };
+/// Multiples of real time that make sense.
+const SPEEDUPS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+/// How often a boat that cannot keep its pace is complained of.
+const COMPLAINT_INTERVAL: Duration = Duration::from_secs(10);
+
+pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
+    let world = World::from_args(&args.world)?;
+    check_speedup(args.speedup)?;
+    let mission = args.mission.as_deref().map(mission::load).transpose()?.map(|drivable| drivable.mission);
+    let home = home(&world, mission.as_ref());
+    let mut sitl = build(&world, home, args.realistic_startup)?;
+    if let Some(mission) = &mission {
+        sitl.load_mission(mission);
+    }
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    runtime.block_on(serve(args, sitl))
+}
+
+pub(super) fn check_speedup(speedup: f64) -> Result<(), Failure> {
+    if SPEEDUPS.contains(&speedup) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("--speedup {speedup}: choose {} to {}", SPEEDUPS.start(), SPEEDUPS.end())))
+}
+
+/// The simulated boat in its world.
+pub(super) fn build(world: &World, home: Geodetic, realistic_startup: bool) -> Result<Sitl, Failure> {
+    let settings = SitlSettings {
+        hull: world.hull.clone(),
+        sea: world.sea,
+        sensors: world.sensors.clone(),
+        seed: world.seed,
+        home,
+        heading_rad: world.home.and_then(|(_, heading)| heading).unwrap_or(0.0),
+        realistic_startup,
+        ..SitlSettings::default()
+    };
+    Sitl::new(settings).map_err(Failure::usage)
+}
+
+/// Where the boat starts: where the user says, at the mission's home, at its first waypoint, or in a default harbour.
+pub(super) fn home(world: &World, mission: Option<&Mission>) -> Geodetic {
+    let of_mission = |mission: &Mission| mission.home.or_else(|| mission.items.iter().find_map(|item| item.position()));
+    world.home.map(|(home, _)| home).or_else(|| mission.and_then(of_mission)).unwrap_or(DEFAULT_HOME)
+}
+
+async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
+    let mut hub = Hub::new(LinkSettings::default());
+    for url in &args.listen {
+        let endpoint = hub.open(url).await.map_err(Failure::usage)?;
+        match hub.local_address(endpoint) {
+            Some(address) => tracing::info!("the boat listens on {url} ({address})"),
+            None => tracing::info!("the boat talks to {url}"),
+        }
+        if args.common.json {
+            let address = hub.local_address(endpoint).map(|address| address.to_string());
+            console::say(&serde_json::json!({ "listen": url.to_string(), "address": address }).to_string());
+        }
+    }
+    let mut edge = Edge::new(PacedSitl::new(sitl, args.speedup), hub, paced_sitl::tick(args.speedup));
+    let mut interrupt = std::pin::pin!(interrupted());
+    let mut complained = (Duration::ZERO, Duration::ZERO);
+    loop {
+        tokio::select! {
+            biased;
+            () = &mut interrupt => break,
+            seen = edge.turn() => match seen {
+                Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
+                Some(Seen::Down(reason)) => tracing::info!("link down: {reason}"),
+                None => {}
+            },
+        }
+        let (now, lost) = (edge.now(), edge.party.lost());
+        if lost > complained.1 && now > complained.0 + COMPLAINT_INTERVAL {
+            tracing::warn!("this machine is too slow for --speedup {}: {:.1} s left out so far", args.speedup, lost.as_secs_f64());
+            complained = (now, lost);
+        }
+    }
+    edge.close().await;
+    Ok(())
+}

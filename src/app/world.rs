@@ -1,0 +1,87 @@
+//! The boat and the sea that the command line asks for.
+
+use helmlink_mission::geodesy::Geodetic;
+use helmlink_sitl::physics::sea::{Current, Waves, Wind};
+use helmlink_sitl::physics::{Hull, Sea, SeaState, SensorSettings};
+
+use super::cli::WorldArgs;
+use super::failure::Failure;
+
+/// A simulated world, checked.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// The hull.
+    pub hull: Hull,
+    /// Current, wind and waves.
+    pub sea: Sea,
+    /// Sensors.
+    pub sensors: SensorSettings,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Where the boat starts, if the user says so.
+    pub home: Option<(Geodetic, Option<f64>)>,
+    /// The sea in words.
+    pub sea_text: String,
+    /// The sensors in words.
+    pub sensors_text: String,
+}
+
+impl World {
+    /// # Errors
+    /// The first option that makes no sense, with what would.
+    pub fn from_args(args: &WorldArgs) -> Result<Self, Failure> {
+        let hull = Hull::builtin(&args.boat).map_err(Failure::usage)?;
+        let state: SeaState = args.sea.parse().map_err(Failure::usage)?;
+        let mut sea = Sea::preset(state, &hull);
+        let mut sea_text = args.sea.clone();
+        for (option, text) in [("current", &args.current), ("wind", &args.wind), ("waves", &args.waves)] {
+            let Some(text) = text else { continue };
+            match option {
+                "current" => sea.current = Some(text.parse::<Current>().map_err(Failure::usage)?),
+                "wind" => sea.wind = Some(text.parse::<Wind>().map_err(Failure::usage)?),
+                _ => sea.waves = Some(text.parse::<Waves>().map_err(Failure::usage)?),
+            }
+            sea_text.push_str(&format!(", {option} {text}"));
+        }
+        let sensors = args.sensors.parse().map_err(Failure::usage)?;
+        let home = args.home.as_deref().map(parse_home).transpose()?;
+        Ok(Self { hull, sea, sensors, seed: args.seed, home, sea_text, sensors_text: args.sensors.clone() })
+    }
+}
+
+/// `LAT,LON` or `LAT,LON,HEADING` in degrees.
+fn parse_home(text: &str) -> Result<(Geodetic, Option<f64>), Failure> {
+    let fault = |why: &str| {
+        Failure::usage(format!("--home {text}: {why}; give degrees as LAT,LON or LAT,LON,HEADING, such as 63.4389,10.399,90"))
+    };
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.map_err(|_| fault("not numbers"))?.as_slice() {
+        [latitude, longitude, rest @ ..] if rest.len() <= 1 => {
+            let home = Geodetic::new(*latitude, *longitude);
+            home.check().map_err(|error| fault(&error.to_string()))?;
+            let heading = rest.first().copied();
+            if heading.is_some_and(|heading| !(-360.0..=360.0).contains(&heading)) {
+                return Err(fault("the heading must lie between -360 and 360"));
+            }
+            Ok((home, heading.map(f64::to_radians)))
+        }
+        _ => Err(fault("two or three numbers are needed")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_a_home() {
+        let (home, heading) = parse_home("63.5, 10.25,90").unwrap();
+        assert_eq!((home.latitude_deg, home.longitude_deg), (63.5, 10.25));
+        assert!((heading.unwrap() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert_eq!(parse_home("63.5,10.25").unwrap().1, None);
+        for wrong in ["", "63.5", "a,b", "91,10", "nan,10", "0,0", "63.5,10,720", "1,2,3,4"] {
+            let text = parse_home(wrong).unwrap_err().to_string();
+            assert!(text.contains("--home"), "{wrong}: {text}");
+        }
+    }
+}
