@@ -287,7 +287,7 @@ fn turning_circles_agree_with_the_published_model() {
 
 #[test]
 fn zig_zag_agrees_with_the_published_model() {
-    let commands = |t: f64| if (t / 6.0) as u32 % 2 == 0 { (0.7, 0.5) } else { (0.5, 0.7) };
+    let commands = |t: f64| if ((t / 6.0) as u32).is_multiple_of(2) { (0.7, 0.5) } else { (0.5, 0.7) };
     assert!(disagreement(commands, "0@0") < ALLOWED);
 }
 
