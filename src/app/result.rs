@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::Path;
 
-use helmlink_wire::tlog;
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -153,9 +152,4 @@ fn picture(result: &RunResult, world: &World, recorder: RunRecorder) -> Run {
         current,
         ..recorder.into_run()
     }
-}
-
-/// The number of frames in a log, to say so.
-pub(super) fn frames_in(log: &[u8]) -> usize {
-    tlog::TlogReader::new(log).filter(Result::is_ok).count()
 }

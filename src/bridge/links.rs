@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::time::Duration;
 
-use helmlink_wire::{Encoder, Framer, Identity, LinkId, LinkStatistics, Message, tlog};
+use helmlink_wire::tlog::TlogWriter;
+use helmlink_wire::{Encoder, Frame, Framer, Identity, LinkId, LinkStatistics, Message};
 use sha2::{Digest, Sha256};
 
 /// Frames waiting for the driver beyond this number are dropped, oldest first: they would be stale anyway.
@@ -34,13 +35,22 @@ pub(super) struct Links {
 #[derive(Debug)]
 struct Journal {
     unix_start_us: u64,
-    records: Vec<u8>,
+    log: TlogWriter<Vec<u8>>,
 }
 
 impl Journal {
-    fn record(&mut self, now: Duration, frame: &[u8]) {
+    fn new(unix_start_us: u64) -> Self {
+        Self { unix_start_us, log: TlogWriter::new(Vec::new()) }
+    }
+
+    fn record(&mut self, now: Duration, frame: &Frame<'_>) {
         let time_us = self.unix_start_us.saturating_add(now.as_micros() as u64);
-        tlog::append_record(&mut self.records, time_us, frame);
+        // Writing to memory does not fail.
+        self.log.write(time_us, frame).ok();
+    }
+
+    fn take(&mut self) -> Vec<u8> {
+        std::mem::replace(&mut self.log, TlogWriter::new(Vec::new())).into_inner()
     }
 }
 
@@ -57,11 +67,11 @@ impl Links {
     }
 
     pub(super) fn keep_journal(&mut self, unix_start_us: u64) {
-        self.journal = Some(Journal { unix_start_us, records: Vec::new() });
+        self.journal = Some(Journal::new(unix_start_us));
     }
 
     pub(super) fn take_journal(&mut self) -> Vec<u8> {
-        self.journal.as_mut().map(|journal| std::mem::take(&mut journal.records)).unwrap_or_default()
+        self.journal.as_mut().map(Journal::take).unwrap_or_default()
     }
 
     pub(super) fn add(&mut self, now: Duration, id: LinkId) {
@@ -114,7 +124,7 @@ impl Links {
         let link = self.links.iter_mut().find(|link| link.id == id)?;
         while let Some(frame) = link.framer.next_frame() {
             if let Some(journal) = &mut self.journal {
-                journal.record(now, frame.bytes());
+                journal.record(now, &frame);
             }
             if let Ok(message) = frame.decode() {
                 return Some((frame.identity(), message));
@@ -158,8 +168,10 @@ impl Links {
         }
         let mut frame = Vec::with_capacity(64);
         link.encoder.encode(from, message, &mut frame);
-        if let Some(journal) = &mut self.journal {
-            journal.record(now, &frame);
+        if let Some(journal) = &mut self.journal
+            && let Ok(encoded) = Frame::parse(&frame)
+        {
+            journal.record(now, &encoded);
         }
         self.outbox.push_back((to, frame));
     }
