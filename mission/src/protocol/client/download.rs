@@ -23,6 +23,8 @@ pub struct Download {
     attempts: Attempts,
     /// Times the outstanding question has been sent.
     sent: u32,
+    /// Times the vehicle has changed its count; bounds the exchange with one that never settles.
+    restarts: u32,
     started: Option<Duration>,
     stage: Stage,
     items: Vec<Item>,
@@ -43,6 +45,7 @@ impl Download {
             exchange,
             attempts: Attempts::new(exchange.timing),
             sent: 0,
+            restarts: 0,
             started: None,
             stage: Stage::Counting,
             items: Vec::new(),
@@ -124,7 +127,12 @@ impl Download {
     fn on_count(&mut self, count: u16, id: u32) {
         match self.stage {
             Stage::Counting => {}
-            Stage::Fetching { total, opaque_id } if total != count || opaque_id != id => {}
+            Stage::Fetching { total, opaque_id } if (total, opaque_id) != (count, id) => {
+                if !self.attempts.left(self.restarts) {
+                    return;
+                }
+                self.restarts += 1;
+            }
             _ => return,
         }
         self.items.clear();

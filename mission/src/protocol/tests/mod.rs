@@ -13,6 +13,7 @@ use crate::plan::{Item, Mission};
 
 mod channel;
 mod client_rules;
+mod hostile;
 mod lossy;
 mod other_programs;
 mod server_rules;
