@@ -1,7 +1,6 @@
 //! Plan items on their way: the two messages that carry one, and home as item 0 of an ArduPilot mission.
 
 use helmlink_wire::dialect::Message;
-use helmlink_wire::enums::{MAV_CMD_NAV_WAYPOINT, MAV_FRAME_GLOBAL};
 
 use crate::geodesy::Geodetic;
 use crate::plan::Item;
@@ -55,21 +54,6 @@ impl Received {
     }
 }
 
-/// Item 0 of an ArduPilot mission: a waypoint at home, in frame 0, and at 0/0 while home is not known
-/// (ArduRover 4.6, measured).
-pub(super) fn home_item(home: Option<Geodetic>, altitude_m: f32) -> Item {
-    let (x, y) = home.map_or((0, 0), |home| home.to_e7());
-    Item {
-        command: MAV_CMD_NAV_WAYPOINT,
-        frame: MAV_FRAME_GLOBAL,
-        params: [0.0; 4],
-        x,
-        y,
-        z: altitude_m,
-        autocontinue: true,
-    }
-}
-
 /// Home out of item 0 of an ArduPilot mission; `None` at 0/0.
 pub(super) fn home_of_item(item: &Item) -> Option<Geodetic> {
     (item.x != 0 || item.y != 0).then(|| Geodetic::from_e7(item.x, item.y))
@@ -89,8 +73,8 @@ mod tests {
 
     #[test]
     fn home_at_nought_is_no_home() {
-        assert_eq!(home_of_item(&home_item(None, 0.0)), None);
+        assert_eq!(home_of_item(&Item::home(None)), None);
         let harbour = Geodetic::from_e7(599_000_000, 107_000_000);
-        assert_eq!(home_of_item(&home_item(Some(harbour), 3.0)), Some(harbour));
+        assert_eq!(home_of_item(&Item::home(Some(harbour))), Some(harbour));
     }
 }

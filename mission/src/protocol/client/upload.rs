@@ -10,7 +10,6 @@ use super::attempts::Attempts;
 use super::{Exchange, Progress, TransferError};
 use crate::plan::{Item, Mission};
 use crate::protocol::REPEAT_GUARD;
-use crate::protocol::items::home_item;
 use crate::protocol::result::MissionResult;
 
 /// Sends one plan: MISSION_COUNT, then whichever item the vehicle asks for, until it sends MISSION_ACK.
@@ -46,7 +45,7 @@ impl Upload {
     pub fn new(exchange: Exchange, plan: &Mission) -> Self {
         let mut items = Vec::with_capacity(plan.items.len() + 1);
         if exchange.has_home() {
-            items.push(home_item(plan.home, 0.0));
+            items.push(Item::home(plan.home));
         }
         items.extend_from_slice(&plan.items);
         let (count, outcome) = match u16::try_from(items.len()) {

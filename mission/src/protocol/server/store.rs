@@ -3,7 +3,6 @@
 use super::rules::{Home, normalised};
 use crate::plan::Item;
 use crate::protocol::MissionType;
-use crate::protocol::items::home_item;
 
 /// The three plans and home, which is item 0 of every mission.
 #[derive(Debug, Clone, Default)]
@@ -48,8 +47,8 @@ impl Store {
     }
 
     pub(super) fn home_item(&self) -> Item {
-        let altitude_m = self.home.map_or(0.0, |home| home.altitude_m);
-        home_item(self.home.map(|home| home.position), altitude_m)
+        let z = self.home.map_or(0.0, |home| home.altitude_m);
+        Item { z, ..Item::home(self.home.map(|home| home.position)) }
     }
 }
 
