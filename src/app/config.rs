@@ -28,7 +28,7 @@ const NOT_IN_A_FILE: [&str; 4] = ["config", "dry_run", "help", "version"];
 ///
 /// # Errors
 /// The file cannot be read or is no TOML; a table or key that helmlink does not know, with its line.
-pub fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatches) -> Result<Vec<OsString>, Failure> {
+pub(super) fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatches) -> Result<Vec<OsString>, Failure> {
     let Some((name, given)) = innermost(matches) else { return Ok(arguments.to_vec()) };
     let Some(path) = given.get_one::<std::path::PathBuf>("config") else { return Ok(arguments.to_vec()) };
     let text = std::fs::read_to_string(path)
@@ -65,7 +65,7 @@ pub fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatches) ->
 }
 
 /// Every setting of the chosen subcommand with where it came from, for `--dry-run`.
-pub fn describe(on_command_line: &ArgMatches, merged: &ArgMatches) -> String {
+pub(super) fn describe(on_command_line: &ArgMatches, merged: &ArgMatches) -> String {
     let mut text = String::new();
     let (Some((name, first)), Some((_, matches))) = (innermost(on_command_line), innermost(merged)) else {
         return text;

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 /// The kinds of failure, by exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// 1: the job did not succeed.
     Failed,
     /// 2: wrong usage or input.
@@ -16,29 +16,29 @@ pub enum Kind {
 
 /// Why a command could not do its job.
 #[derive(Debug)]
-pub struct Failure {
+pub(super) struct Failure {
     kind: Kind,
     text: String,
 }
 
 impl Failure {
     /// The job did not succeed (exit code 1).
-    pub fn failed(text: impl fmt::Display) -> Self {
+    pub(super) fn failed(text: impl fmt::Display) -> Self {
         Self { kind: Kind::Failed, text: text.to_string() }
     }
 
     /// Wrong usage or input (exit code 2).
-    pub fn usage(text: impl fmt::Display) -> Self {
+    pub(super) fn usage(text: impl fmt::Display) -> Self {
         Self { kind: Kind::Usage, text: text.to_string() }
     }
 
     /// No link (exit code 3).
-    pub fn no_link(text: impl fmt::Display) -> Self {
+    pub(super) fn no_link(text: impl fmt::Display) -> Self {
         Self { kind: Kind::NoLink, text: text.to_string() }
     }
 
     /// The exit code.
-    pub fn exit_code(&self) -> ExitCode {
+    pub(super) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self.kind {
             Kind::Failed => 1,
             Kind::Usage => 2,

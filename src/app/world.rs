@@ -9,27 +9,27 @@ use super::failure::Failure;
 
 /// A simulated world, checked.
 #[derive(Debug, Clone)]
-pub struct World {
+pub(super) struct World {
     /// The hull.
-    pub hull: Hull,
+    pub(super) hull: Hull,
     /// Current, wind and waves.
-    pub sea: Sea,
+    pub(super) sea: Sea,
     /// Sensors.
-    pub sensors: SensorSettings,
+    pub(super) sensors: SensorSettings,
     /// Seed of everything random.
-    pub seed: u64,
+    pub(super) seed: u64,
     /// Where the boat starts, if the user says so.
-    pub home: Option<(Geodetic, Option<f64>)>,
+    pub(super) home: Option<(Geodetic, Option<f64>)>,
     /// The sea in words.
-    pub sea_text: String,
+    pub(super) sea_text: String,
     /// The sensors in words.
-    pub sensors_text: String,
+    pub(super) sensors_text: String,
 }
 
 impl World {
     /// # Errors
     /// The first option that makes no sense, with what would.
-    pub fn from_args(args: &WorldArgs) -> Result<Self, Failure> {
+    pub(super) fn from_args(args: &WorldArgs) -> Result<Self, Failure> {
         let hull = Hull::builtin(&args.boat).map_err(Failure::usage)?;
         let state: SeaState = args.sea.parse().map_err(Failure::usage)?;
         let mut sea = Sea::preset(state, &hull);
