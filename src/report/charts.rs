@@ -1,0 +1,235 @@
+//! Curves over one common time axis.
+
+use super::svg::{Anchor, Area, Point, Style, Svg};
+use super::theme;
+use super::thin::keep_extremes;
+use super::ticks::{self, Range};
+use super::{Run, TrackPoint, is_reading, tables};
+
+/// The least height that the charts need together, pixels.
+pub(super) const LEAST_HEIGHT: f64 = 440.0;
+/// Plots do not grow taller than this, pixels.
+const TALLEST_PLOT_PX: f64 = 170.0;
+/// Above a plot, for its title, and below the last one, for the time, pixels.
+const TITLE_PX: f64 = 30.0;
+const TIME_LABELS_PX: f64 = 44.0;
+/// Left of a plot, for the labels of its axis, pixels.
+const AXIS_LABELS_PX: f64 = 34.0;
+/// Between ticks at least, pixels.
+const TIME_TICK_PX: f64 = 56.0;
+const VALUE_TICK_PX: f64 = 30.0;
+/// The time axis is at least this long, s.
+const LEAST_TIME_S: f64 = 1.0;
+/// Curves are thinned to the extremes of this many stretches, about one per pixel.
+const STRETCHES: usize = 420;
+
+/// One plot: curves of the same unit.
+struct Chart {
+    /// What its curves have in common, left of their names.
+    title: &'static str,
+    /// Set small behind the names.
+    note: &'static str,
+    curves: &'static [Curve],
+    /// What the axis shows even where the curves do not reach.
+    always: Range,
+}
+
+struct Curve {
+    name: &'static str,
+    value: fn(&TrackPoint) -> f64,
+    style: Style,
+    colour: &'static str,
+}
+
+const CHARTS: [Chart; 3] = [
+    Chart {
+        title: "Cross-track error",
+        note: "m, positive right of the path",
+        curves: &[Curve {
+            name: "",
+            value: |sample| sample.cross_track_m,
+            style: Style::stroked(theme::ERROR_COLOURS[0], 1.3),
+            colour: theme::ERROR_COLOURS[0],
+        }],
+        always: Range { low: -0.1, high: 0.1 },
+    },
+    Chart {
+        title: "Speed",
+        note: "m/s",
+        curves: &[
+            Curve {
+                name: "wanted",
+                value: |sample| sample.wanted_speed_mps,
+                style: Style::stroked(theme::ORANGE, 1.3).dashed("5 3"),
+                colour: theme::ORANGE,
+            },
+            Curve {
+                name: "driven",
+                value: |sample| sample.speed_mps,
+                style: Style::stroked(theme::BLUE, 1.3),
+                colour: theme::BLUE,
+            },
+        ],
+        always: Range { low: 0.0, high: 0.5 },
+    },
+    Chart {
+        title: "Commands",
+        note: "part of full",
+        curves: &[
+            Curve {
+                name: "throttle",
+                value: |sample| sample.throttle,
+                style: Style::stroked(theme::ORANGE, 1.3),
+                colour: theme::ORANGE,
+            },
+            Curve {
+                name: "steering",
+                value: |sample| sample.steering,
+                style: Style::stroked(theme::BLUE, 1.3),
+                colour: theme::BLUE,
+            },
+        ],
+        always: Range { low: -1.0, high: 1.0 },
+    },
+];
+
+/// The shared time axis: what it shows, and in which unit it is labelled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeAxis {
+    range: Range,
+    unit: &'static str,
+    seconds: f64,
+}
+
+impl TimeAxis {
+    /// The axis of a run: seconds up to ten minutes, then minutes up to three hours, then hours.
+    pub(super) fn of(run: &Run) -> Self {
+        let times = run.track.iter().map(|sample| sample.time_s).filter(|time_s| is_reading(*time_s));
+        let range = Range::covering(times, LEAST_TIME_S);
+        let (unit, seconds) = match range.span() {
+            ..600.0 => ("s", 1.0),
+            ..10_800.0 => ("min", 60.0),
+            _ => ("h", 3600.0),
+        };
+        Self { range, unit, seconds }
+    }
+
+    /// A time in the unit of the axis.
+    pub(super) fn label(&self, time_s: f64) -> String {
+        let decimals = if self.seconds > 1000.0 { 0.01 } else { 0.1 };
+        format!("{} {}", ticks::label(time_s / self.seconds, decimals), self.unit)
+    }
+
+    fn x(&self, time_s: f64, plot: Area) -> f64 {
+        plot.left + plot.width * self.range.fraction(time_s)
+    }
+}
+
+/// Draws the charts into the upper part of `area` and returns where they end.
+pub(super) fn draw(svg: &mut Svg, run: &Run, area: Area) -> f64 {
+    let axis = TimeAxis::of(run);
+    let count = CHARTS.len() as f64;
+    let height = ((area.height - TIME_LABELS_PX) / count - TITLE_PX).min(TALLEST_PLOT_PX);
+    let mut plot =
+        Area { left: area.left + AXIS_LABELS_PX, top: area.top, width: area.width - AXIS_LABELS_PX, height };
+    for (row, chart) in CHARTS.iter().enumerate() {
+        // The first title stands level with the top of the map.
+        plot.top += if row == 0 { TITLE_PX - 10.0 } else { TITLE_PX };
+        draw_chart(svg, run, chart, &axis, plot);
+        plot.top += height;
+    }
+    time_labels(svg, &axis, plot);
+    let plots =
+        Area { top: area.top + TITLE_PX - 10.0, height: plot.top - area.top - TITLE_PX + 10.0, ..plot };
+    events(svg, run, &axis, plots);
+    plot.top + TIME_LABELS_PX
+}
+
+fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Area) {
+    title(svg, chart, Point::new(plot.left - AXIS_LABELS_PX, plot.top - 9.0));
+    let curves: Vec<Vec<(f64, f64)>> = chart.curves.iter().map(|curve| readings(run, curve)).collect();
+    let values = curves.iter().flatten().map(|(_, value)| *value);
+    let shown = Range::covering(values.chain([chart.always.low, chart.always.high]), chart.always.span());
+    let step = ticks::round_step(shown.span(), (plot.height / VALUE_TICK_PX).floor().max(1.0));
+    let range = shown.rounded_outward(step);
+    let y = |value: f64| plot.bottom() - plot.height * range.fraction(value);
+
+    for time_s in time_ticks(axis, plot) {
+        let x = axis.x(time_s, plot);
+        svg.line(Point::new(x, plot.top), Point::new(x, plot.bottom()), theme::GRID_LINE);
+    }
+    for value in ticks::ticks(range, step) {
+        let left = Point::new(plot.left, y(value));
+        let style = if value.abs() < step / 2.0 { theme::ZERO_LINE } else { theme::GRID_LINE };
+        svg.line(left, left.moved(plot.width, 0.0), style);
+        let label = ticks::label(value, step);
+        svg.text(left.moved(-6.0, 3.5), &label, theme::SMALL.anchored(Anchor::End));
+    }
+    for (curve, readings) in chart.curves.iter().zip(&curves) {
+        let points: Vec<Point> = keep_extremes(readings, STRETCHES, &[|(_, value)| *value])
+            .into_iter()
+            .map(|index| Point::new(axis.x(readings[index].0, plot), y(readings[index].1)))
+            .collect();
+        svg.polylines([points.as_slice()], curve.style);
+    }
+}
+
+/// Writes the title with the names of the curves in their colours.
+fn title(svg: &mut Svg, chart: &Chart, mut at: Point) {
+    svg.text(at, chart.title, theme::HEADING);
+    at = at.moved(theme::HEADING.width(chart.title) + 10.0, 0.0);
+    for curve in chart.curves.iter().filter(|curve| !curve.name.is_empty()).rev() {
+        svg.line(at.moved(0.0, -4.0), at.moved(16.0, -4.0), curve.style);
+        let lettering = theme::SMALL.coloured(curve.colour);
+        svg.text(at.moved(21.0, 0.0), curve.name, lettering);
+        at = at.moved(21.0 + lettering.width(curve.name) + 12.0, 0.0);
+    }
+    svg.text(at, chart.note, theme::SMALL);
+}
+
+/// Times and values of a curve where both are known.
+fn readings(run: &Run, curve: &Curve) -> Vec<(f64, f64)> {
+    run.track
+        .iter()
+        .map(|sample| (sample.time_s, (curve.value)(sample)))
+        .filter(|(time_s, value)| is_reading(*time_s) && is_reading(*value))
+        .collect()
+}
+
+fn time_ticks(axis: &TimeAxis, plot: Area) -> Vec<f64> {
+    ticks::ticks(axis.range, time_step(axis, plot))
+}
+
+/// A step that is round in the unit of the axis, s.
+fn time_step(axis: &TimeAxis, plot: Area) -> f64 {
+    ticks::round_step(axis.range.span() / axis.seconds, (plot.width / TIME_TICK_PX).floor()) * axis.seconds
+}
+
+fn time_labels(svg: &mut Svg, axis: &TimeAxis, below: Area) {
+    let step = time_step(axis, below);
+    let lettering = theme::SMALL.anchored(Anchor::Middle);
+    for time_s in time_ticks(axis, below) {
+        let label = ticks::label(time_s / axis.seconds, step / axis.seconds);
+        svg.text(Point::new(axis.x(time_s, below), below.top + 14.0), &label, lettering);
+    }
+    let at = Point::new(below.right(), below.top + 27.0);
+    svg.text(at, &format!("time, {}", axis.unit), theme::SMALL.anchored(Anchor::End));
+}
+
+/// Marks every event within the shown time by a line through all plots and its letter on top.
+fn events(svg: &mut Svg, run: &Run, axis: &TimeAxis, plots: Area) {
+    let lettering = theme::SMALL.coloured(theme::ORANGE).bold().anchored(Anchor::Middle);
+    let mut free_from = plots.left;
+    for (letter, time_s, _) in tables::shown_events(run) {
+        if !axis.range.contains(time_s) {
+            continue;
+        }
+        let top = Point::new(axis.x(time_s, plots), plots.top);
+        svg.line(top, top.moved(0.0, plots.height), theme::EVENT_LINE);
+        let x = top.x.max(free_from);
+        if x <= plots.right() {
+            svg.text(Point::new(x, plots.top - 3.0), &letter.to_string(), lettering);
+            free_from = x + 9.0;
+        }
+    }
+}
