@@ -74,6 +74,11 @@ impl Practical {
         }
     }
 
+    /// Look-ahead wanted at a speed, m.
+    fn lead_m(&self, speed_mps: f64) -> f64 {
+        self.settings.lead_m.max(self.settings.lead_time_s * speed_mps)
+    }
+
     /// Heading error, kept on its side of ±π while the boat turns through a large angle.
     fn heading_error(&mut self, wanted_rad: f64, heading_rad: f64) -> f64 {
         let mut error = ssa(wanted_rad - heading_rad);
@@ -87,7 +92,7 @@ impl Practical {
 
 impl Guidance for Practical {
     fn engage(&mut self, state: &VesselState, progress_m: f64) {
-        self.ship = VirtualShip::at(progress_m);
+        self.ship = VirtualShip::at(progress_m + self.lead_m(state.surge_mps));
         self.progress_m = progress_m;
         self.planned_sway = SwayModel::default();
         self.slow_surge_mps = state.surge_mps;
@@ -103,7 +108,7 @@ impl Guidance for Practical {
 
         let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
         let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
-        let lead_m = self.settings.lead_m.max(self.settings.lead_time_s * speed_mps);
+        let lead_m = self.lead_m(speed_mps);
         self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
 
         let ship = path.point(self.ship.progress_m());
@@ -146,7 +151,7 @@ impl Practical {
     fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Drift {
         let bow = unit(input.state.heading_rad);
         let along = bow.dot(input.water.current);
-        let across = input.water.sway_mps + bow.cross(input.water.current);
+        let across = self.planned_sway.sway_mps() + bow.cross(input.water.current);
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         let squared = surge * surge + across * across;
         let course_per_yaw = 1.0 - surge * along / squared;
