@@ -26,9 +26,7 @@ pub enum HelmError {
     #[error(transparent)]
     State(#[from] StateError),
     /// The time since the last step is out of range.
-    #[error(
-        "a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again"
-    )]
+    #[error("a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again")]
     Step {
         /// Step asked for, s.
         dt_s: f64,
@@ -97,8 +95,7 @@ impl Helm {
     /// The practical guidance with the adaptive PI sliding-mode controller.
     #[must_use]
     pub fn new(boat: &Boat, end: EndOfPath) -> Self {
-        let guidance =
-            Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
+        let guidance = Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
         Self::with_laws(boat, Box::new(guidance), Box::new(PiSmc::new(boat)))
     }
 

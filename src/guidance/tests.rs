@@ -23,7 +23,8 @@ fn at(north_m: f64, east_m: f64) -> NorthEast {
 }
 
 fn bent_path() -> Path {
-    Path::through(&[at(0.0, 0.0), at(0.0, 40.0), at(30.0, 40.0), at(60.0, 10.0)], &PathLimits::new(6.0, 4.0)).unwrap()
+    Path::through(&[at(0.0, 0.0), at(0.0, 40.0), at(30.0, 40.0), at(60.0, 10.0)], &PathLimits::new(6.0, 4.0))
+        .unwrap()
 }
 
 fn state(position: NorthEast, heading_rad: f64) -> VesselState {
@@ -142,7 +143,8 @@ fn azimuth_is_right_on_the_axes_where_the_printed_formula_is_not() {
         heading_rad: 0.3,
         curvature_radpm: 0.0,
     };
-    let azimuth_of = |north_m, east_m| azimuth(at(0.0, 0.0), at(0.0, 0.0), &ship(north_m, east_m), 0.0, 0.3).rad;
+    let azimuth_of =
+        |north_m, east_m| azimuth(at(0.0, 0.0), at(0.0, 0.0), &ship(north_m, east_m), 0.0, 0.3).rad;
     assert!((azimuth_of(0.0, 5.0) - FRAC_PI_2).abs() < 1.0e-12);
     assert!((azimuth_of(0.0, -5.0) + FRAC_PI_2).abs() < 1.0e-12);
     assert!((azimuth_of(-5.0, 0.0).abs() - PI).abs() < 1.0e-12);
@@ -179,7 +181,12 @@ fn the_drift_estimate_learns_the_current_from_two_legs() {
 }
 
 fn limits() -> SpeedLimits {
-    SpeedLimits { turn_rate_radps: 0.2, lateral_acceleration_mps2: 0.5, deceleration_mps2: 0.15, creep_mps: 0.2 }
+    SpeedLimits {
+        turn_rate_radps: 0.2,
+        lateral_acceleration_mps2: 0.5,
+        deceleration_mps2: 0.15,
+        creep_mps: 0.2,
+    }
 }
 
 #[test]

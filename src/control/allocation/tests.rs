@@ -111,7 +111,8 @@ fn a_rudder_turns_no_faster_than_its_rate() {
     let first = allocator.allocate(0.1, wrench(2.0e5, 4.0e5), &situation(4.0, 0.0));
     assert!(first.yaw_saturated, "the rudder is still on its way");
     assert!(first.achieved.yaw_nm < 0.2 * 4.0e5);
-    let last = (0..200).map(|_| allocator.allocate(0.1, wrench(2.0e5, 4.0e5), &situation(4.0, 0.0))).last().unwrap();
+    let last =
+        (0..200).map(|_| allocator.allocate(0.1, wrench(2.0e5, 4.0e5), &situation(4.0, 0.0))).last().unwrap();
     assert!(!last.yaw_saturated);
     assert!((last.achieved.yaw_nm - 4.0e5).abs() < 1.0e3);
 }

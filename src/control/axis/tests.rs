@@ -161,13 +161,20 @@ fn error_after(mut axis: SlidingAxis, seconds: f64) -> f64 {
 #[test]
 fn the_wrong_sign_of_adaptation_drives_the_error_up() {
     // Little feedback, so that adaptation decides.
-    let quick = AxisSettings { parameter_rate: 2.0, disturbance_max: 0.0, reaching_gain: 0.3, integral_slope: 0.0, ..settings() };
+    let quick = AxisSettings {
+        parameter_rate: 2.0,
+        disturbance_max: 0.0,
+        reaching_gain: 0.3,
+        integral_slope: 0.0,
+        ..settings()
+    };
     let right = SlidingAxis::new(quick.clone(), nominal(), 0.3);
     let mut wrong = right.clone();
     wrong.adaptation = -wrong.adaptation;
     let mut still = right.clone();
     still.adaptation *= 0.0;
-    let (right, wrong, still) = (error_after(right, 400.0), error_after(wrong, 400.0), error_after(still, 400.0));
+    let (right, wrong, still) =
+        (error_after(right, 400.0), error_after(wrong, 400.0), error_after(still, 400.0));
     assert!(right < 0.7 * still, "adapting {right}, not adapting {still}");
     assert!(wrong > 1.3 * still, "wrong sign {wrong}, not adapting {still}");
 }

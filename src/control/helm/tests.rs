@@ -71,7 +71,14 @@ fn steps_are_reproducible() {
         let mut helm = helm();
         helm.engage(&state(at(3.0, 0.0), 1.0), 0.0).unwrap();
         (0..200)
-            .map(|i| helm.step(0.02 + 0.001 * f64::from(i % 30), &state(at(3.0, 0.05 * f64::from(i)), 1.0), &path, 1.2))
+            .map(|i| {
+                helm.step(
+                    0.02 + 0.001 * f64::from(i % 30),
+                    &state(at(3.0, 0.05 * f64::from(i)), 1.0),
+                    &path,
+                    1.2,
+                )
+            })
             .map(|output| output.unwrap().command)
             .collect::<Vec<_>>()
     };
@@ -81,7 +88,9 @@ fn steps_are_reproducible() {
 #[test]
 fn every_heading_gives_a_finite_command_and_a_turn_the_short_way() {
     let path = path();
-    for (error_rad, least, most) in [(FRAC_PI_2, 0.3, 1.0), (-FRAC_PI_2, -1.0, -0.3), (PI, -1.0, 1.0), (-PI, -1.0, 1.0)] {
+    for (error_rad, least, most) in
+        [(FRAC_PI_2, 0.3, 1.0), (-FRAC_PI_2, -1.0, -0.3), (PI, -1.0, 1.0), (-PI, -1.0, 1.0)]
+    {
         let mut helm = helm();
         let state = state(at(0.0, 20.0), FRAC_PI_2 - error_rad);
         helm.engage(&state, 20.0).unwrap();
