@@ -215,3 +215,6 @@ impl SlidingAxis {
         self.parameters
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -141,3 +141,6 @@ impl Boat {
         Ok(boat)
     }
 }
+
+#[cfg(test)]
+mod tests;

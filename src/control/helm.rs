@@ -26,9 +26,7 @@ pub enum HelmError {
     #[error(transparent)]
     State(#[from] StateError),
     /// The time since the last step is out of range.
-    #[error(
-        "a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again"
-    )]
+    #[error("a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again")]
     Step {
         /// Step asked for, s.
         dt_s: f64,
@@ -40,6 +38,12 @@ pub enum HelmError {
         speed_mps: f64,
         /// Largest speed of the boat, m/s.
         most_mps: f64,
+    },
+    /// The place on the path to start from is not a number.
+    #[error("a start at arc length {progress_m} m of the path is not a finite number")]
+    Progress {
+        /// Arc length asked for, m.
+        progress_m: f64,
     },
     /// The result is not a number: the state is plausible by itself but the path or gains are not.
     #[error("the controller's output is not finite; engage again")]
@@ -91,8 +95,7 @@ impl Helm {
     /// The practical guidance with the adaptive PI sliding-mode controller.
     #[must_use]
     pub fn new(boat: &Boat, end: EndOfPath) -> Self {
-        let guidance =
-            Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
+        let guidance = Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
         Self::with_laws(boat, Box::new(guidance), Box::new(PiSmc::new(boat)))
     }
 
@@ -115,9 +118,12 @@ impl Helm {
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
     ///
     /// # Errors
-    /// Refuses a state that is not a number or absurd.
+    /// Refuses a state or a place that is not a number or absurd.
     pub fn engage(&mut self, state: &VesselState, progress_m: f64) -> Result<(), HelmError> {
         state.check()?;
+        if !progress_m.is_finite() {
+            return Err(HelmError::Progress { progress_m });
+        }
         self.guidance.engage(state, progress_m);
         self.law.engage(state.surge_mps, state.yaw_rate_radps);
         self.allocator.reset();
@@ -183,3 +189,6 @@ impl Helm {
         WaterMotion { surge_mps, sway_mps, yaw_rate_radps: rate }
     }
 }
+
+#[cfg(test)]
+mod tests;

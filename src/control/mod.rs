@@ -14,6 +14,8 @@
 pub mod allocation;
 pub mod axis;
 pub mod boat;
+#[cfg(test)]
+mod closed_loop_tests;
 pub mod command;
 pub mod helm;
 pub mod law;

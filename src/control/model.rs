@@ -94,7 +94,14 @@ pub struct SwayModel {
 
 impl SwayModel {
     /// Advances the model by `dt_s` and returns the sway through the water, m/s.
-    pub fn step(&mut self, dt_s: f64, hull: &Hull, surge_mps: f64, yaw_rate_radps: f64, side_force_n: f64) -> f64 {
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        hull: &Hull,
+        surge_mps: f64,
+        yaw_rate_radps: f64,
+        side_force_n: f64,
+    ) -> f64 {
         let motion = WaterMotion { surge_mps, sway_mps: self.sway_mps, yaw_rate_radps };
         let (push, damping) = hull.sway_terms(motion, side_force_n);
         let next = (self.sway_mps + dt_s * push) / (1.0 + dt_s * damping);

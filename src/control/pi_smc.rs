@@ -65,18 +65,13 @@ impl Law for PiSmc {
             effect: self.hull.yaw_effect(),
         };
         self.last = Some((surge, yaw));
-        Wrench {
-            surge_n: self.surge.demand(dt_s, &surge),
-            sway_n: 0.0,
-            yaw_nm: self.yaw.demand(dt_s, &yaw),
-        }
+        Wrench { surge_n: self.surge.demand(dt_s, &surge), sway_n: 0.0, yaw_nm: self.yaw.demand(dt_s, &yaw) }
     }
 
     fn settle(&mut self, dt_s: f64, allocation: &Allocation) {
         let Some((surge, yaw)) = &self.last else { return };
         let achieved = allocation.achieved;
-        let surge_outcome =
-            AxisOutcome { achieved: achieved.surge_n, saturated: allocation.surge_saturated };
+        let surge_outcome = AxisOutcome { achieved: achieved.surge_n, saturated: allocation.surge_saturated };
         let yaw_outcome = AxisOutcome { achieved: achieved.yaw_nm, saturated: allocation.yaw_saturated };
         self.surge.settle(dt_s, surge, surge_outcome);
         self.yaw.settle(dt_s, yaw, yaw_outcome);

@@ -74,10 +74,18 @@ impl Practical {
         }
     }
 
+    /// Look-ahead wanted at a speed, m.
+    fn lead_m(&self, speed_mps: f64) -> f64 {
+        self.settings.lead_m.max(self.settings.lead_time_s * speed_mps)
+    }
+
     /// Heading error, kept on its side of ±π while the boat turns through a large angle.
     fn heading_error(&mut self, wanted_rad: f64, heading_rad: f64) -> f64 {
         let mut error = ssa(wanted_rad - heading_rad);
-        if error.abs() > HOLD_TURN_RAD && error * self.last_error_rad < 0.0 && self.last_error_rad.abs() > HOLD_TURN_RAD {
+        if error.abs() > HOLD_TURN_RAD
+            && error * self.last_error_rad < 0.0
+            && self.last_error_rad.abs() > HOLD_TURN_RAD
+        {
             error += std::f64::consts::TAU.copysign(self.last_error_rad);
         }
         self.last_error_rad = error;
@@ -87,7 +95,7 @@ impl Practical {
 
 impl Guidance for Practical {
     fn engage(&mut self, state: &VesselState, progress_m: f64) {
-        self.ship = VirtualShip::at(progress_m);
+        self.ship = VirtualShip::at(progress_m + self.lead_m(state.surge_mps));
         self.progress_m = progress_m;
         self.planned_sway = SwayModel::default();
         self.slow_surge_mps = state.surge_mps;
@@ -102,8 +110,9 @@ impl Guidance for Practical {
         let foot_mps = foot_speed_mps(&here, velocity);
 
         let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
-        let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
-        let lead_m = self.settings.lead_m.max(self.settings.lead_time_s * speed_mps);
+        let speed_mps =
+            self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
+        let lead_m = self.lead_m(speed_mps);
         self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
 
         let ship = path.point(self.ship.progress_m());
@@ -121,7 +130,8 @@ impl Guidance for Practical {
         Reference {
             heading_rad: ssa(heading_rad),
             heading_error_rad,
-            heading_rate_radps: (course_radps - planned_drift_radps - drift.slowing_radps) * drift.yaw_per_course,
+            heading_rate_radps: (course_radps - planned_drift_radps - drift.slowing_radps)
+                * drift.yaw_per_course,
             yaw_per_course: drift.yaw_per_course,
             speed_mps: self.surge_speed(input, &here, speed_mps, lead_m, heading_error_rad),
             progress_m: here.progress_m,
@@ -146,7 +156,7 @@ impl Practical {
     fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Drift {
         let bow = unit(input.state.heading_rad);
         let along = bow.dot(input.water.current);
-        let across = input.water.sway_mps + bow.cross(input.water.current);
+        let across = self.planned_sway.sway_mps() + bow.cross(input.water.current);
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         let squared = surge * surge + across * across;
         let course_per_yaw = 1.0 - surge * along / squared;
@@ -155,7 +165,11 @@ impl Practical {
         Drift {
             slowing_radps: -across * rate_mps2 / squared,
             angle_rad: across.atan2(surge).clamp(-MAX_DRIFT_RAD, MAX_DRIFT_RAD),
-            yaw_per_course: if course_per_yaw > 0.0 { (1.0 / course_per_yaw).clamp(least, most) } else { most },
+            yaw_per_course: if course_per_yaw > 0.0 {
+                (1.0 / course_per_yaw).clamp(least, most)
+            } else {
+                most
+            },
         }
     }
 

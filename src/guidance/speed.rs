@@ -7,7 +7,6 @@
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathPoint};
 
-
 use super::{EndOfPath, unit};
 
 /// Points of the path looked at, from the boat to where it could still stop.
@@ -46,8 +45,7 @@ impl SpeedLimits {
         for sample in 0..SAMPLES {
             let ahead_m = sample as f64 * step_m;
             let there = self.bend_speed_mps(&path.point(progress_m + ahead_m), current).min(speed_mps);
-            allowed_squared =
-                allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
+            allowed_squared = allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
         }
         if end == EndOfPath::Stop {
             let left_m = (path.length_m() - progress_m).max(0.0);

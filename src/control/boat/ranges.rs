@@ -65,7 +65,13 @@ impl Boat {
         [
             ("guidance.lead_m", g.lead_m, 0.1, 1000.0, "look-ahead at low speed, m"),
             ("guidance.lead_time_s", g.lead_time_s, 0.0, 120.0, "look-ahead per speed, s"),
-            ("guidance.lead_softness_m", g.lead_softness_m, 0.1, 5000.0, "lead error that stops the virtual ship, m"),
+            (
+                "guidance.lead_softness_m",
+                g.lead_softness_m,
+                0.1,
+                5000.0,
+                "lead error that stops the virtual ship, m",
+            ),
             ("guidance.drift_time_s", g.drift_time_s, 0.05, 600.0, "time constant of the drift estimate, s"),
             ("guidance.preview_s", g.preview_s, 0.0, 30.0, "curvature preview, s"),
             ("guidance.speed_preview_s", g.speed_preview_s, 0.0, 60.0, "speed preview, s"),
