@@ -5,6 +5,7 @@
 
 mod ranges;
 
+use helmlink_mission::path::PathLimits;
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -57,6 +58,10 @@ pub enum Actuators {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
+    /// Speed over ground where neither the user nor the mission says, m/s.
+    pub cruise_mps: f64,
+    /// Radius planned for the corners of a path, m; the boat slows down as far as it must.
+    pub turn_radius_m: f64,
     /// Largest speed through the water, m/s.
     pub speed_max_mps: f64,
     /// Least speed through the water at which the boat still steers, m/s; zero for twin thrusters.
@@ -111,6 +116,16 @@ pub enum BoatError {
         /// What the value is, and its unit.
         meaning: &'static str,
     },
+}
+
+/// Length of the transition into and out of a turn, as a share of its radius.
+const TRANSITION_SHARE: f64 = 0.75;
+
+impl Limits {
+    /// How sharply a path for this boat may turn.
+    pub fn path(&self) -> PathLimits {
+        PathLimits::new(self.turn_radius_m, TRANSITION_SHARE * self.turn_radius_m)
+    }
 }
 
 impl Boat {

@@ -5,7 +5,7 @@
 //! begins at the place where it then is.
 
 use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
-use helmlink_mission::path::{Path, PathError, PathLimits};
+use helmlink_mission::path::{Path, PathError};
 use helmlink_mission::route::Route;
 
 use crate::control::{Boat, Diagnostics, Helm, HelmError};
@@ -267,16 +267,12 @@ impl MissionRun {
             points.push(state.position);
         }
         points.extend_from_slice(&self.waypoints[self.next..=last]);
-        let path = Path::through(&points, &self.path_limits())?;
+        let path = Path::through(&points, &self.boat.limits.path())?;
         let stretch = Stretch { path, last, first_waypoint: self.next, starts_at_boat: !is_there };
         self.helm.engage(state, 0.0)?;
         self.phase = Phase::Driving(stretch);
         self.stretches += 1;
         Ok(())
-    }
-
-    fn path_limits(&self) -> PathLimits {
-        self.boat.path_limits(self.settings.speed_mps)
     }
 
     /// The speed wanted on the leg to waypoint `index`.

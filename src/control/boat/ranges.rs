@@ -47,10 +47,12 @@ impl Boat {
         ]
     }
 
-    fn limit_rules(&self) -> [Rule; 6] {
+    fn limit_rules(&self) -> [Rule; 8] {
         let l = &self.limits;
         let rate = l.yaw_rate_max_radps;
         [
+            ("limits.cruise_mps", l.cruise_mps, 0.1, l.speed_max_mps, "usual speed over ground, m/s"),
+            ("limits.turn_radius_m", l.turn_radius_m, 0.1, 5000.0, "radius of the path's corners, m"),
             ("limits.speed_max_mps", l.speed_max_mps, 0.1, 40.0, "largest speed through the water, m/s"),
             ("limits.steerage_mps", l.steerage_mps, 0.0, l.speed_max_mps, "least steerage speed, m/s"),
             ("limits.yaw_rate_max_radps", rate, 0.001, 5.0, "largest yaw rate asked for, rad/s"),
