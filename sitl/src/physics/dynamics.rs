@@ -86,16 +86,14 @@ pub fn to_body(psi_rad: f64, north: f64, east: f64) -> (f64, f64) {
     NedVector { north, east }.in_body(NedVector { north: cos, east: sin })
 }
 
-/// The angle in (−π, π]. Only for angles that stray by less than a few turns, as a heading does in a step.
-pub(super) fn wrap(mut angle_rad: f64) -> f64 {
+/// The angle in (−π, π].
+pub(super) fn wrap(angle_rad: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
-    while angle_rad > PI {
-        angle_rad -= TAU;
+    if angle_rad > -PI && angle_rad <= PI {
+        return angle_rad;
     }
-    while angle_rad <= -PI {
-        angle_rad += TAU;
-    }
-    angle_rad
+    let turned = angle_rad.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
 }
 
 /// Strips of the cross-flow integral: Fossen's `crossFlowDrag` sums 21 stations from stern to bow, each

@@ -1,5 +1,6 @@
 //! Whether a hull that is positive definite can also be steered, driven and integrated.
 
+use super::WATER_DENSITY_KGPM3;
 use super::hull::{Damping, Hull, HullDynamics, HullError, Maneuvering, Propulsion};
 
 /// Fastest settling the integration follows safely at its longest step of 20 ms, 1/s: fourth-order
@@ -8,12 +9,29 @@ const FASTEST_SETTLING_PER_S: f64 = 50.0;
 
 /// Refuses what would fly apart numerically or could not reach its own cruise speed.
 pub(super) fn check(hull: &Hull) -> Result<(), HullError> {
-    if let HullDynamics::Maneuvering(body, drive) = &hull.dynamics {
-        let thrust_n = ahead_limit_n(drive);
-        let (sway, yaw) = with_cross_flow(body);
-        settles("surge", &body.surge, "inertia.m11_kg", body.m11_kg, thrust_n)?;
-        settles("sway", &sway, "inertia.m22_kg", body.m22_kg, thrust_n)?;
-        settles("yaw", &yaw, "inertia.m33_kgm2", body.m33_kgm2, thrust_n * arm_m(drive))?;
+    match &hull.dynamics {
+        HullDynamics::Maneuvering(body, drive) => {
+            floats(hull, body)?;
+            let thrust_n = ahead_limit_n(drive);
+            let (sway, yaw) = with_cross_flow(body);
+            // What is left of the inertias when the coupled motion is free to give way.
+            let coupling = body.m23_kgm * body.m23_kgm;
+            let (sway_kg, yaw_kgm2) =
+                (body.m22_kg - coupling / body.m33_kgm2, body.m33_kgm2 - coupling / body.m22_kg);
+            settles("damping.surge", &body.surge, "inertia.m11_kg", body.m11_kg, thrust_n)?;
+            settles("damping.sway", &sway, "inertia.m22_kg", sway_kg, thrust_n)?;
+            settles("damping.yaw", &yaw, "inertia.m33_kgm2", yaw_kgm2, thrust_n * arm_m(drive))?;
+        }
+        HullDynamics::Motorboat(boat) => {
+            let drag = Damping { quadratic: boat.drag_n_per_mps2, ..Damping::default() };
+            settles(
+                "motorboat.drag_n_per_mps2",
+                &drag,
+                "motorboat.mass_kg",
+                boat.mass_kg,
+                boat.thrust_limit_n,
+            )?;
+        }
     }
     let top_mps = hull.top_speed_mps();
     if hull.cruise_speed_mps > top_mps {
@@ -24,6 +42,36 @@ pub(super) fn check(hull: &Hull) -> Result<(), HullError> {
         )));
     }
     Ok(())
+}
+
+/// Least and greatest mean draught m11/(ρ·L·B), as a share of the beam, that mass, length and beam of one and
+/// the same boat can give.
+const DRAUGHT_PER_BEAM: (f64, f64) = (0.005, 2.0);
+/// Greatest windage, as a multiple of beam² from ahead and of length² from the side.
+const WINDAGE: f64 = 3.0;
+
+/// Mass, size and windage must belong to one boat: wind and waves are scaled with the size.
+fn floats(hull: &Hull, body: &Maneuvering) -> Result<(), HullError> {
+    let draught_m = body.m11_kg / (WATER_DENSITY_KGPM3 * hull.length_m * hull.beam_m);
+    let (least_m, greatest_m) = (DRAUGHT_PER_BEAM.0 * hull.beam_m, DRAUGHT_PER_BEAM.1 * hull.beam_m);
+    if !(least_m..=greatest_m).contains(&draught_m) {
+        return Err(HullError::Layout(format!(
+            "a hull of {} m by {} m and {} kg would draw {draught_m:.2e} m, outside {least_m:.2e} to \
+             {greatest_m:.2e} m: `length_m`, `beam_m` and `inertia.m11_kg` do not fit each other",
+            hull.length_m, hull.beam_m, body.m11_kg
+        )));
+    }
+    let Some(wind) = &hull.wind else { return Ok(()) };
+    let limit = |key: &str, area_m2: f64, side_m: f64| {
+        let most_m2 = WINDAGE * side_m * side_m;
+        if area_m2 <= most_m2 {
+            return Ok(());
+        }
+        let allowed = format!("at most {most_m2:.2} m² on a hull of this size");
+        Err(HullError::OutOfRange { key: key.to_owned(), value: area_m2, allowed })
+    };
+    limit("wind.frontal_area_m2", wind.frontal_area_m2, hull.beam_m)?;
+    limit("wind.lateral_area_m2", wind.lateral_area_m2, hull.length_m)
 }
 
 /// Largest thrust ahead of the whole drive, N.
@@ -52,21 +100,24 @@ fn with_cross_flow(body: &Maneuvering) -> (Damping, Damping) {
 }
 
 fn settles(
-    motion: &str,
+    drag_key: &str,
     damping: &Damping,
     inertia_key: &str,
     inertia: f64,
     force: f64,
 ) -> Result<(), HullError> {
     let x = terminal_velocity(damping, force);
+    if x.is_infinite() {
+        return Err(HullError::Layout(format!("`{drag_key}` never balances full thrust: raise it")));
+    }
     let slope = damping.linear + 2.0 * damping.quadratic * x + 3.0 * damping.cubic * x * x;
     let rate_per_s = slope / inertia;
     if rate_per_s <= FASTEST_SETTLING_PER_S {
         return Ok(());
     }
     Err(HullError::Layout(format!(
-        "the {motion} of this hull settles in {:.1e} s, faster than the simulation can follow ({} s): lower \
-         `damping.{motion}` or the thrust limit, or raise `{inertia_key}`",
+        "at full thrust this hull settles in {:.1e} s, faster than the simulation can follow ({} s): lower \
+         `{drag_key}` or the thrust limit, or raise `{inertia_key}`",
         1.0 / rate_per_s,
         1.0 / FASTEST_SETTLING_PER_S
     )))
@@ -98,7 +149,7 @@ mod tests {
     fn a_hull_too_stiff_to_integrate_is_refused() {
         let text = Hull::builtin_text("otter").unwrap().replace("linear = 162.5", "linear = 162500");
         let message = Hull::from_toml(&text).unwrap_err().to_string();
-        assert!(message.contains("sway") && message.contains("inertia.m22_kg"), "{message}");
+        assert!(message.contains("damping.sway") && message.contains("inertia.m22_kg"), "{message}");
     }
 
     #[test]
@@ -110,6 +161,23 @@ mod tests {
     }
 
     #[test]
+    fn a_hull_whose_size_does_not_fit_its_mass_is_refused() {
+        let text =
+            Hull::builtin_text("otter").unwrap().replace("length_m = 2.0\nbeam", "length_m = 320.0\nbeam");
+        let message = Hull::from_toml(&text).unwrap_err().to_string();
+        assert!(message.contains("320 m by 1.08 m and 85.5 kg"), "{message}");
+        let text =
+            Hull::builtin_text("otter").unwrap().replace("lateral_area_m2 = 0.6", "lateral_area_m2 = 60");
+        assert!(Hull::from_toml(&text).unwrap_err().to_string().contains("at most 12.00 m²"));
+    }
+
+    #[test]
+    fn a_hull_without_drag_is_refused() {
+        let text = Hull::builtin_text("otter").unwrap().replace("linear = 77.554", "linear = 0");
+        assert!(Hull::from_toml(&text).unwrap_err().to_string().contains("`damping.surge` never balances"));
+    }
+
+    #[test]
     fn a_boat_without_drag_has_no_top_speed() {
         assert_eq!(terminal_velocity(&Damping::default(), 1.0), f64::INFINITY);
         assert!(
@@ -118,7 +186,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(200))]
+        #![proptest_config(ProptestConfig::with_cases(300))]
 
         /// A hull file with any one number replaced is refused or gives a boat whose motion stays finite.
         #[test]

@@ -258,6 +258,15 @@ fn the_step_hardly_matters() {
 }
 
 #[test]
+fn headings_wrap_at_any_size() {
+    use std::f64::consts::PI;
+    for (angle_rad, expected_rad) in [(PI, PI), (-PI, PI), (3.5 * PI, -0.5 * PI), (-1.5 * PI, 0.5 * PI)] {
+        assert!((dynamics::wrap(angle_rad) - expected_rad).abs() < 1e-12, "{angle_rad}");
+    }
+    assert!(dynamics::wrap(1e300).abs() <= PI && dynamics::wrap(f64::NAN).is_nan());
+}
+
+#[test]
 fn odd_spans_are_survived() {
     let mut boat = vessel("otter", &Sea::default());
     for dt_s in [f64::NAN, -1.0, 0.0, f64::NEG_INFINITY] {
