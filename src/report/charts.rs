@@ -7,17 +7,25 @@ use super::ticks::{self, Range};
 use super::{Run, TrackPoint, is_reading, tables};
 
 /// The least height that the charts need together, pixels.
-pub(super) const LEAST_HEIGHT: f64 = 440.0;
+pub(super) const LEAST_HEIGHT: f64 = 450.0;
 /// Plots do not grow taller than this, pixels.
 const TALLEST_PLOT_PX: f64 = 170.0;
 /// Above a plot, for its title, and below the last one, for the time, pixels.
-const TITLE_PX: f64 = 30.0;
+const TITLE_PX: f64 = 38.0;
 const TIME_LABELS_PX: f64 = 44.0;
+/// The part of `TITLE_PX` that keeps a title away from the plot above it, pixels.
+const ABOVE_TITLE_PX: f64 = 12.0;
+/// Between the letters of two events at least, pixels.
+const LETTER_PX: f64 = 9.0;
 /// Left of a plot, for the labels of its axis, pixels.
 const AXIS_LABELS_PX: f64 = 34.0;
+/// From the start of a title to the names of its curves, pixels.
+const TITLE_WIDTH_PX: f64 = 130.0;
+/// Between the outermost value and the edge of the plot, as part of the height.
+const AIR: f64 = 0.04;
 /// Between ticks at least, pixels.
 const TIME_TICK_PX: f64 = 56.0;
-const VALUE_TICK_PX: f64 = 30.0;
+const VALUE_TICK_PX: f64 = 20.0;
 /// The time axis is at least this long, s.
 const LEAST_TIME_S: f64 = 1.0;
 /// Curves are thinned to the extremes of this many stretches, about one per pixel.
@@ -134,29 +142,33 @@ pub(super) fn draw(svg: &mut Svg, run: &Run, area: Area) -> f64 {
         Area { left: area.left + AXIS_LABELS_PX, top: area.top, width: area.width - AXIS_LABELS_PX, height };
     for (row, chart) in CHARTS.iter().enumerate() {
         // The first title stands level with the top of the map.
-        plot.top += if row == 0 { TITLE_PX - 10.0 } else { TITLE_PX };
+        plot.top += if row == 0 { TITLE_PX - ABOVE_TITLE_PX } else { TITLE_PX };
         draw_chart(svg, run, chart, &axis, plot);
+        if row == 0 {
+            event_letters(svg, run, &axis, plot);
+        }
         plot.top += height;
     }
     time_labels(svg, &axis, plot);
-    let plots =
-        Area { top: area.top + TITLE_PX - 10.0, height: plot.top - area.top - TITLE_PX + 10.0, ..plot };
-    events(svg, run, &axis, plots);
     plot.top + TIME_LABELS_PX
 }
 
 fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Area) {
-    title(svg, chart, Point::new(plot.left - AXIS_LABELS_PX, plot.top - 9.0));
+    title(svg, chart, Point::new(plot.left - AXIS_LABELS_PX, plot.top - 15.0));
     let curves: Vec<Vec<(f64, f64)>> = chart.curves.iter().map(|curve| readings(run, curve)).collect();
     let values = curves.iter().flatten().map(|(_, value)| *value);
-    let shown = Range::covering(values.chain([chart.always.low, chart.always.high]), chart.always.span());
-    let step = ticks::round_step(shown.span(), (plot.height / VALUE_TICK_PX).floor().max(1.0));
-    let range = shown.rounded_outward(step);
+    let range = shown_range(values, chart.always);
+    let step = ticks::round_step(range.span(), (plot.height / VALUE_TICK_PX).floor().max(1.0));
     let y = |value: f64| plot.bottom() - plot.height * range.fraction(value);
 
+    svg.area(plot, 0.0, theme::GRID_LINE);
     for time_s in time_ticks(axis, plot) {
         let x = axis.x(time_s, plot);
         svg.line(Point::new(x, plot.top), Point::new(x, plot.bottom()), theme::GRID_LINE);
+    }
+    for (_, time_s) in event_times(run, axis) {
+        let top = Point::new(axis.x(time_s, plot), plot.top);
+        svg.line(top, top.moved(0.0, plot.height), theme::EVENT_LINE);
     }
     for value in ticks::ticks(range, step) {
         let left = Point::new(plot.left, y(value));
@@ -174,10 +186,20 @@ fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Ar
     }
 }
 
+/// What the axis of a chart shows: all values, with a little air beyond what it shows in any case.
+fn shown_range(values: impl Iterator<Item = f64>, always: Range) -> Range {
+    let tight = Range::covering(values.chain([always.low, always.high]), always.span());
+    let air = AIR * tight.span();
+    Range {
+        low: if tight.low < always.low { tight.low - air } else { tight.low },
+        high: if tight.high > always.high { tight.high + air } else { tight.high },
+    }
+}
+
 /// Writes the title with the names of the curves in their colours.
 fn title(svg: &mut Svg, chart: &Chart, mut at: Point) {
     svg.text(at, chart.title, theme::HEADING);
-    at = at.moved(theme::HEADING.width(chart.title) + 10.0, 0.0);
+    at = at.moved(TITLE_WIDTH_PX, 0.0);
     for curve in chart.curves.iter().filter(|curve| !curve.name.is_empty()).rev() {
         svg.line(at.moved(0.0, -4.0), at.moved(16.0, -4.0), curve.style);
         let lettering = theme::SMALL.coloured(curve.colour);
@@ -216,20 +238,23 @@ fn time_labels(svg: &mut Svg, axis: &TimeAxis, below: Area) {
     svg.text(at, &format!("time, {}", axis.unit), theme::SMALL.anchored(Anchor::End));
 }
 
-/// Marks every event within the shown time by a line through all plots and its letter on top.
-fn events(svg: &mut Svg, run: &Run, axis: &TimeAxis, plots: Area) {
+/// Letters and times of the events within the shown time.
+fn event_times(run: &Run, axis: &TimeAxis) -> impl Iterator<Item = (char, f64)> {
+    let range = axis.range;
+    tables::shown_events(run)
+        .map(|(letter, time_s, _)| (letter, time_s))
+        .filter(move |(_, time_s)| range.contains(*time_s))
+}
+
+/// Writes the letters of the events on top of their lines, side by side where the lines are close together.
+fn event_letters(svg: &mut Svg, run: &Run, axis: &TimeAxis, plot: Area) {
     let lettering = theme::SMALL.coloured(theme::ORANGE).bold().anchored(Anchor::Middle);
-    let mut free_from = plots.left;
-    for (letter, time_s, _) in tables::shown_events(run) {
-        if !axis.range.contains(time_s) {
-            continue;
-        }
-        let top = Point::new(axis.x(time_s, plots), plots.top);
-        svg.line(top, top.moved(0.0, plots.height), theme::EVENT_LINE);
-        let x = top.x.max(free_from);
-        if x <= plots.right() {
-            svg.text(Point::new(x, plots.top - 3.0), &letter.to_string(), lettering);
-            free_from = x + 9.0;
+    let mut free_from = plot.left;
+    for (letter, time_s) in event_times(run, axis) {
+        let x = axis.x(time_s, plot).max(free_from);
+        if x <= plot.right() {
+            svg.text(Point::new(x, plot.top - 3.0), &letter.to_string(), lettering);
+            free_from = x + LETTER_PX;
         }
     }
 }

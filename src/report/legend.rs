@@ -13,7 +13,7 @@ const CLASSES: usize = theme::ERROR_COLOURS.len() - 1;
 /// The classes reach to at least this part of all errors.
 const COVERED: f64 = 0.95;
 /// Width of one colour in the legend, pixels.
-const SWATCH_PX: f64 = 40.0;
+const SWATCH_PX: f64 = 42.0;
 /// Currents and winds slower than this have no direction worth drawing, m/s.
 const CALM_MPS: f64 = 0.005;
 
@@ -81,7 +81,7 @@ fn error_colours(svg: &mut Svg, scale: &ErrorScale, at: Point) {
             CLASSES => "more".to_owned(),
             _ => ticks::label((class + 1) as f64 * scale.step_m, scale.step_m),
         };
-        let to_middle = if class == CLASSES { SWATCH_PX * 0.62 } else { SWATCH_PX };
+        let to_middle = if class == CLASSES { SWATCH_PX * 0.7 } else { SWATCH_PX };
         svg.text(left.moved(to_middle, 20.0), &text, centred);
     }
     svg.text(at.moved(0.0, 34.0), "0", centred);
@@ -113,4 +113,30 @@ fn flow(svg: &mut Svg, name: &str, velocity: NorthEast, at: Point, colour: &'sta
     svg.text(at.moved(38.0, 12.0), name, theme::SMALL);
     let speed = format!("{:.2} m/s", velocity.norm());
     svg.text(at.moved(38.0, 27.0), &speed, theme::SMALL.coloured(theme::INK));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_fits_most_errors_and_ignores_a_bad_start() {
+        let errors = (0..1000).map(|n| if n < 20 { 30.0 } else { f64::from(n % 10) * -0.1 });
+        let track: Vec<TrackPoint> = errors
+            .map(|cross_track_m| TrackPoint { cross_track_m, ..TrackPoint::UNKNOWN })
+            .chain([TrackPoint::UNKNOWN])
+            .collect();
+        let scale = ErrorScale::of(&track);
+        assert_eq!(scale.step_m, 0.5);
+        let classes = [0.0, -0.49, 0.51, -1.2, 1.9, 2.1, -30.0].map(|error_m| scale.class(error_m));
+        assert_eq!(classes, [0, 0, 1, 2, 3, 4, 4].map(Some));
+        assert_eq!(scale.class(f64::NAN), None);
+    }
+
+    #[test]
+    fn a_track_without_errors_has_a_scale() {
+        assert_eq!(ErrorScale::of(&[]).step_m, 0.5);
+        let still = TrackPoint { cross_track_m: 0.0, ..TrackPoint::UNKNOWN };
+        assert!(ErrorScale::of(&[still]).step_m > 0.0);
+    }
 }

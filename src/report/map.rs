@@ -17,9 +17,9 @@ const PADDING: f64 = 44.0;
 /// A map shows at least this much water, metres.
 const LEAST_EXTENT_M: f64 = 10.0;
 /// Between lines of the grid at least, pixels.
-const GRID_PX: f64 = 75.0;
+const GRID_PX: f64 = 60.0;
 /// The longest scale bar, pixels.
-const SCALE_BAR_PX: f64 = 130.0;
+const SCALE_BAR_PX: f64 = 165.0;
 /// Long lines are thinned to the extremes of this many stretches.
 const STRETCHES: usize = 800;
 
@@ -75,6 +75,13 @@ pub(super) fn draw(svg: &mut Svg, run: &Run, scale: &ErrorScale, outer: Area) {
     mission_and_path(svg, run, &projection);
     track(svg, run, scale, &projection);
     marks::draw(svg, run, &projection);
+    if run.mission.is_empty() && run.path.is_empty() && run.track.is_empty() {
+        svg.text(
+            area.middle(),
+            "no positions",
+            theme::SUBTITLE.anchored(Anchor::Middle).with_halo(theme::WATER),
+        );
+    }
     scale_bar(svg, &projection);
     north_arrow(svg, Point::new(area.right() - 24.0, area.top + 30.0));
     svg.area(area, 0.0, Style::stroked(theme::RULE, 1.0));
@@ -98,13 +105,11 @@ fn grid(svg: &mut Svg, projection: &Projection) {
     for north_m in ticks::ticks(projection.shown(projection.centre.north_m, area.height), step) {
         let y = projection.point(NorthEast::new(north_m, projection.centre.east_m)).y;
         svg.line(Point::new(area.left, y), Point::new(area.right(), y), theme::GRID_LINE);
-        if y > area.top + 30.0 {
-            svg.text(Point::new(area.left - 6.0, y + 3.5), &label(north_m), before);
-        }
+        svg.text(Point::new(area.left - 6.0, y + 3.5), &label(north_m), before);
     }
     svg.text(Point::new(area.right(), area.bottom() + 15.0), &format!("east, {unit}"), before);
-    svg.text(Point::new(area.left - 6.0, area.top + 9.0), "north,", before);
-    svg.text(Point::new(area.left - 6.0, area.top + 21.0), unit, before);
+    let inside = theme::SMALL.with_halo(theme::WATER);
+    svg.text(Point::new(area.left + 7.0, area.top + 15.0), &format!("north, {unit}"), inside);
 }
 
 fn mission_and_path(svg: &mut Svg, run: &Run, projection: &Projection) {
@@ -155,7 +160,7 @@ fn track(svg: &mut Svg, run: &Run, scale: &ErrorScale, projection: &Projection) 
 
 fn scale_bar(svg: &mut Svg, projection: &Projection) {
     let longest_m = SCALE_BAR_PX / projection.pixels_per_m;
-    // The largest round length that fits: the next step above half the longest is never more than 2.5 times it.
+    // The largest round length that fits: round lengths are at most 2.5 times apart, so the last one always does.
     let length_m = [1.0, 2.0, 3.0]
         .map(|parts| ticks::round_step(longest_m, parts))
         .into_iter()

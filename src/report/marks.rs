@@ -5,17 +5,18 @@ use super::svg::{Anchor, Area, Lettering, Point, Style, Svg};
 use super::theme;
 use super::{Run, TrackPoint, is_plausible, tables};
 use helmlink_mission::geodesy::NorthEast;
+use std::f64::consts::{PI, TAU};
 
 /// Of waypoints beyond this number only the legs are drawn.
 const MOST_WAYPOINTS: usize = 300;
 /// Boats on the map at most, and the track between two of them at least, pixels.
 const MOST_BOATS: f64 = 24.0;
-const BOAT_SPACING_PX: f64 = 75.0;
+const BOAT_SPACING_PX: f64 = 90.0;
 /// From a mark to the middle of its label, pixels; the second is tried where the first finds no room.
 const LABEL_DISTANCES_PX: [f64; 2] = [14.0, 22.0];
 
-/// A hull seen from above with its bow up, 20 pixels long.
-const HULL: &str = "M0-11C3-7 4-3 4 1L3.4 9H-3.4L-4 1C-4-3-3-7 0-11Z";
+/// A hull seen from above with its bow up, 18 pixels long.
+const HULL: &str = "M0-10C2.7-6 3.5-3 3.5 1L3 8H-3L-3.5 1C-3.5-3-2.7-6 0-10Z";
 const DIAMOND: &str = "M0-4.5L4.5 0L0 4.5L-4.5 0Z";
 const SQUARE: &str = "M-4.5-4.5H4.5V4.5H-4.5Z";
 
@@ -49,7 +50,7 @@ fn boats(svg: &mut Svg, run: &Run, projection: &Projection) {
         if until_next <= 0.0 {
             until_next = spacing;
             let (at, heading_rad) = pair[1];
-            svg.shape(HULL, at, heading_rad.rem_euclid(std::f64::consts::TAU).to_degrees(), HULL_STYLE);
+            svg.shape(HULL, at, heading_rad.rem_euclid(TAU).to_degrees(), HULL_STYLE);
         }
     }
 }
@@ -136,7 +137,7 @@ impl Labels {
     fn put(&mut self, svg: &mut Svg, mark: Point, direction: Point, text: &str, lettering: Lettering) {
         let (width, height) = (lettering.width(text), lettering.size);
         let wanted = direction.y.atan2(direction.x);
-        let turns = [0.0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4, 3.14];
+        let turns = [0.0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4, PI];
         let candidates =
             LABEL_DISTANCES_PX.into_iter().flat_map(|away| turns.map(|turn| (away, wanted + turn)));
         for (away, angle) in candidates {
@@ -150,5 +151,38 @@ impl Labels {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Area = Area { left: 0.0, top: 0.0, width: 100.0, height: 100.0 };
+
+    #[test]
+    fn labels_do_not_overlap_and_stop_where_the_room_ends() {
+        let mut svg = Svg::new(100.0, 100.0, "", theme::FONT_FAMILY);
+        let mut labels = Labels { bounds: BOUNDS, taken: Vec::new() };
+        for _ in 0..100 {
+            labels.put(&mut svg, Point::new(50.0, 50.0), Point::new(1.0, 0.0), "12", theme::SMALL);
+        }
+        assert!((4..30).contains(&labels.taken.len()), "{} labels", labels.taken.len());
+        for (index, label) in labels.taken.iter().enumerate() {
+            assert!(BOUNDS.encloses(*label));
+            assert!(labels.taken[..index].iter().all(|other| !other.overlaps(*label)));
+        }
+        assert_eq!(svg.finish().matches("<text").count(), labels.taken.len());
+    }
+
+    #[test]
+    fn numbers_stand_outside_a_corner_and_beside_a_straight_line() {
+        let corner = Point::new(50.0, 50.0);
+        let (left, below, right) = (Point::new(0.0, 50.0), Point::new(50.0, 90.0), Point::new(90.0, 50.0));
+        let away = outward(Some(left), corner, Some(below));
+        assert!(away.x > 0.0 && away.y < 0.0);
+        let beside = outward(Some(left), corner, Some(right));
+        assert!(beside.x.abs() < 1e-9 && beside.y.abs() > 0.5);
+        assert_eq!(outward(None, corner, None), Point::new(0.0, 0.0));
     }
 }

@@ -92,6 +92,20 @@ pub struct TrackPoint {
     pub throttle: f64,
 }
 
+impl TrackPoint {
+    /// An instant of which nothing is known; fill in what is.
+    pub const UNKNOWN: Self = Self {
+        time_s: f64::NAN,
+        position: NorthEast { north_m: f64::NAN, east_m: f64::NAN },
+        heading_rad: f64::NAN,
+        cross_track_m: f64::NAN,
+        speed_mps: f64::NAN,
+        wanted_speed_mps: f64::NAN,
+        steering: f64::NAN,
+        throttle: f64::NAN,
+    };
+}
+
 /// Draws a run as a self-contained SVG file of 1200 × 900 pixels, taller where the tables need it.
 ///
 /// North is up on the map, and a metre is as long northwards as eastwards. Long runs are thinned, extremes kept,
@@ -104,10 +118,11 @@ pub fn track_svg(run: &Run) -> String {
     let body_height = (LEAST_HEIGHT - MARGIN - body_top).max(charts::LEAST_HEIGHT + tables_height);
     let height = body_top + body_height + MARGIN;
 
-    let mut svg = Svg::new(WIDTH, height, &theme::TITLE.fitted(&run.title, 10.0 * WIDTH), theme::FONT_FAMILY);
+    let title = theme::TITLE.fitted(&run.title, WIDTH - 2.0 * MARGIN);
+    let mut svg = Svg::new(WIDTH, height, &title, theme::FONT_FAMILY);
     let sheet = Area { left: 0.5, top: 0.5, width: WIDTH - 1.0, height: height - 1.0 };
     svg.area(sheet, 10.0, Style::filled(theme::PAPER).outlined(theme::RULE, 1.0));
-    header(&mut svg, run);
+    header(&mut svg, &title, run);
 
     let map_height = body_height - legend::HEIGHT;
     let scale = legend::ErrorScale::of(&run.track);
@@ -132,10 +147,9 @@ fn header_height(run: &Run) -> f64 {
     MARGIN + 46.0 + 18.0 * run.subtitle.len().min(MOST_SUBTITLES) as f64
 }
 
-fn header(svg: &mut Svg, run: &Run) {
+fn header(svg: &mut Svg, title: &str, run: &Run) {
     let width = WIDTH - 2.0 * MARGIN;
-    let title = theme::TITLE.fitted(&run.title, width);
-    svg.text(Point::new(MARGIN, MARGIN + 20.0), &title, theme::TITLE);
+    svg.text(Point::new(MARGIN, MARGIN + 20.0), title, theme::TITLE);
     for (row, line) in run.subtitle.iter().take(MOST_SUBTITLES).enumerate() {
         let at = Point::new(MARGIN, MARGIN + 42.0 + 18.0 * row as f64);
         svg.text(at, &theme::SUBTITLE.fitted(line, width), theme::SUBTITLE);

@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 /// Width of an average character as part of the size of the letters: a little generous, so that a text cut to
 /// fit also fits in a wide fallback typeface.
 const CHARACTER_WIDTH: f64 = 0.58;
+/// How much wider bold letters are.
+const BOLD_WIDTH: f64 = 1.15;
 /// Coordinates beyond this many pixels are drawn at it.
 const FARTHEST_PX: f64 = 1e5;
 
@@ -135,7 +137,11 @@ impl Lettering {
 
     /// The width that `text` takes in pixels, estimated.
     pub(super) fn width(&self, text: &str) -> f64 {
-        text.chars().count() as f64 * self.size * CHARACTER_WIDTH
+        text.chars().count() as f64 * self.character_width()
+    }
+
+    fn character_width(&self) -> f64 {
+        self.size * CHARACTER_WIDTH * if self.bold { BOLD_WIDTH } else { 1.0 }
     }
 
     /// `text`, cut and ended with an ellipsis where it would be wider than `width` pixels.
@@ -143,7 +149,7 @@ impl Lettering {
         if self.width(text) <= width {
             return text.to_owned();
         }
-        let room = (width / (self.size * CHARACTER_WIDTH)).floor().max(1.0) as usize;
+        let room = (width / self.character_width()).floor().max(1.0) as usize;
         let mut cut: String = text.chars().take(room - 1).collect();
         cut.truncate(cut.trim_end().len());
         cut.push('…');
