@@ -1,5 +1,8 @@
 //! Time of one control step: guidance, law and allocation.
 
+// A benchmark that cannot be set up may stop.
+#![allow(clippy::unwrap_used)]
+
 use divan::{Bencher, black_box};
 use helmlink::control::{Boat, Helm};
 use helmlink::guidance::{EndOfPath, VesselState};

@@ -190,8 +190,8 @@ fn axis_rules(a: &AxisSettings, keys: &[&'static str; 14]) -> [Rule; 14] {
 
 fn check(rules: &[Rule]) -> Result<(), BoatError> {
     for &(key, value, least, most, meaning) in rules {
-        // Written so that NaN fails too.
-        if !(value >= least && value <= most) {
+        // NaN is in no range.
+        if !(least..=most).contains(&value) {
             return Err(BoatError::Range { key, value, least, most, meaning });
         }
     }

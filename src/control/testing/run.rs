@@ -12,8 +12,10 @@ use crate::guidance::progress::project;
 
 /// Time after a bend before the boat counts as settled, s.
 const SETTLING_S: f64 = 40.0;
-/// A boat that starts far away has found the path when it is this part of its look-ahead from it.
+/// A boat that starts far away has found the path when it is this part of its look-ahead from it,
+/// and faces along it to within this angle, rad.
 const ACQUIRED_PART: f64 = 0.2;
+const ACQUIRED_RAD: f64 = 0.3;
 /// The last metres before the stop at the end do not count as settled.
 const STOPPING_M: f64 = 8.0;
 
@@ -69,7 +71,8 @@ impl<'a> Run<'a> {
             }
             let here = project(self.path, truth.position, progress_m);
             let leg_m = self.path.distance_to_leg(truth.position, self.path.leg_at(progress_m));
-            acquired |= here.cross_track_m.abs() < ACQUIRED_PART * self.boat.guidance.lead_m;
+            let facing = output.diagnostics.reference.heading_error_rad.abs() < ACQUIRED_RAD;
+            acquired |= facing && here.cross_track_m.abs() < ACQUIRED_PART * self.boat.guidance.lead_m;
             let bend = here.foot.curvature_radpm != 0.0 || !acquired;
             let stopping = progress_m > self.path.length_m() - STOPPING_M;
             score.add(dt_s, here.cross_track_m, leg_m, bend, stopping, output.command);
