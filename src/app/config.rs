@@ -72,6 +72,10 @@ pub(super) fn describe(on_command_line: &ArgMatches, merged: &ArgMatches) -> Str
     };
     let _ = writeln!(text, "[{name}]");
     for id in matches.ids().filter(|id| !NOT_IN_A_FILE.contains(&id.as_str())) {
+        // Groups of options are listed too; only options have a raw value of their own.
+        if id.as_str().starts_with(char::is_uppercase) {
+            continue;
+        }
         let Ok(Some(values)) = matches.try_get_raw(id.as_str()) else { continue };
         let values: Vec<String> = values.map(|value| value.to_string_lossy().into_owned()).collect();
         let source = match (matches.value_source(id.as_str()), first.value_source(id.as_str())) {
