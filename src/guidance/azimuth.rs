@@ -30,8 +30,7 @@ pub fn azimuth(boat: NorthEast, velocity: NorthEast, ship: &PathPoint, speed_mps
     let blend = (near_m - distance).max(0.0);
     let blend_rate = if blend > 0.0 && distance > 0.0 { -gap.dot(gap_rate) / distance } else { 0.0 };
     let aim = gap + tangent * blend;
-    let aim_rate =
-        gap_rate + tangent * blend_rate + normal * (blend * ship.curvature_radpm * speed_mps);
+    let aim_rate = gap_rate + tangent * blend_rate + normal * (blend * ship.curvature_radpm * speed_mps);
     direction(aim, aim_rate, ship.heading_rad)
 }
 
@@ -44,10 +43,7 @@ pub fn chord_bias(foot: &PathPoint, foot_mps: f64, ship: &PathPoint, ship_mps: f
     let chord = ship.position - foot.position;
     let chord_rate = unit(ship.heading_rad) * ship_mps - unit(foot.heading_rad) * foot_mps;
     let chord = direction(chord, chord_rate, foot.heading_rad);
-    Angle {
-        rad: ssa(chord.rad - foot.heading_rad),
-        radps: chord.radps - foot.curvature_radpm * foot_mps,
-    }
+    Angle { rad: ssa(chord.rad - foot.heading_rad), radps: chord.radps - foot.curvature_radpm * foot_mps }
 }
 
 /// Direction of a vector and its rate; of a vector without length, `fallback_rad`.

@@ -18,14 +18,19 @@ pub struct DriftEstimator {
 }
 
 impl DriftEstimator {
+    /// Starts from a boat that runs straight: all of its sway is taken for current.
+    #[must_use]
+    pub fn starting_at(state: &VesselState) -> Self {
+        let normal = unit(state.heading_rad + std::f64::consts::FRAC_PI_2);
+        Self { current: limited(normal * state.sway_mps) }
+    }
+
     /// Learns from one tick; `model_sway_mps` is the sway through the water.
     pub fn step(&mut self, dt_s: f64, state: &VesselState, model_sway_mps: f64, time_constant_s: f64) {
         let normal = unit(state.heading_rad + std::f64::consts::FRAC_PI_2);
         let surprise = state.sway_mps - model_sway_mps - normal.dot(self.current);
         let gain = -(-dt_s / time_constant_s).exp_m1();
-        let moved = self.current + normal * (gain * surprise);
-        let excess = (moved.norm() / MAX_CURRENT_MPS).max(1.0);
-        self.current = moved * (1.0 / excess);
+        self.current = limited(self.current + normal * (gain * surprise));
     }
 
     /// Velocity of the water over ground, m/s.
@@ -33,4 +38,9 @@ impl DriftEstimator {
     pub fn current(&self) -> NorthEast {
         self.current
     }
+}
+
+fn limited(current: NorthEast) -> NorthEast {
+    let excess = (current.norm() / MAX_CURRENT_MPS).max(1.0);
+    current * (1.0 / excess)
 }

@@ -116,3 +116,6 @@ pub(crate) fn unit(bearing_rad: f64) -> NorthEast {
     let (sin, cos) = bearing_rad.sin_cos();
     NorthEast { north_m: cos, east_m: sin }
 }
+
+#[cfg(test)]
+mod tests;

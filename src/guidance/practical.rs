@@ -8,7 +8,7 @@
 use helmlink_mission::angle::ssa;
 
 use super::azimuth::{azimuth, chord_bias};
-use super::progress::{Projection, foot_speed_mps, point, project};
+use super::progress::{Projection, foot_speed_mps, project};
 use super::speed::SpeedLimits;
 use super::virtual_ship::VirtualShip;
 use super::{EndOfPath, Guidance, GuidanceInput, GuidanceSettings, Reference, VesselState, unit};
@@ -26,6 +26,8 @@ const HOLD_TURN_RAD: f64 = 2.6;
 const LEAST_DRIFT_SPEED_MPS: f64 = 0.3;
 /// Largest drift angle aligned, rad.
 const MAX_DRIFT_RAD: f64 = 1.0;
+/// Time constant of the surge rate, as a part of that of the drift estimate.
+const SURGE_RATE_PART: f64 = 0.5;
 /// Range of the yaw rate per course rate.
 const YAW_PER_COURSE: (f64, f64) = (0.6, 2.5);
 /// Surge speed never exceeds this part of the speed wanted along the path.
@@ -41,6 +43,8 @@ pub struct Practical {
     ship: VirtualShip,
     progress_m: f64,
     planned_sway: SwayModel,
+    /// Surge speed over ground, low-passed: what it lags behind by is its rate, m/s.
+    slow_surge_mps: f64,
     last_error_rad: f64,
 }
 
@@ -56,6 +60,7 @@ impl Practical {
             ship: VirtualShip::default(),
             progress_m: 0.0,
             planned_sway: SwayModel::default(),
+            slow_surge_mps: 0.0,
             last_error_rad: 0.0,
         }
     }
@@ -69,10 +74,18 @@ impl Practical {
         }
     }
 
+    /// Look-ahead wanted at a speed, m.
+    fn lead_m(&self, speed_mps: f64) -> f64 {
+        self.settings.lead_m.max(self.settings.lead_time_s * speed_mps)
+    }
+
     /// Heading error, kept on its side of ±π while the boat turns through a large angle.
     fn heading_error(&mut self, wanted_rad: f64, heading_rad: f64) -> f64 {
         let mut error = ssa(wanted_rad - heading_rad);
-        if error.abs() > HOLD_TURN_RAD && error * self.last_error_rad < 0.0 && self.last_error_rad.abs() > HOLD_TURN_RAD {
+        if error.abs() > HOLD_TURN_RAD
+            && error * self.last_error_rad < 0.0
+            && self.last_error_rad.abs() > HOLD_TURN_RAD
+        {
             error += std::f64::consts::TAU.copysign(self.last_error_rad);
         }
         self.last_error_rad = error;
@@ -81,10 +94,11 @@ impl Practical {
 }
 
 impl Guidance for Practical {
-    fn engage(&mut self, _state: &VesselState, progress_m: f64) {
-        self.ship = VirtualShip::at(progress_m);
+    fn engage(&mut self, state: &VesselState, progress_m: f64) {
+        self.ship = VirtualShip::at(progress_m + self.lead_m(state.surge_mps));
         self.progress_m = progress_m;
         self.planned_sway = SwayModel::default();
+        self.slow_surge_mps = state.surge_mps;
         self.last_error_rad = 0.0;
     }
 
@@ -96,16 +110,17 @@ impl Guidance for Practical {
         let foot_mps = foot_speed_mps(&here, velocity);
 
         let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
-        let speed_mps = self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
-        let lead_m = self.settings.lead_m.max(self.settings.lead_time_s * speed_mps);
+        let speed_mps =
+            self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
+        let lead_m = self.lead_m(speed_mps);
         self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
 
-        let ship = point(path, self.ship.progress_m());
+        let ship = path.point(self.ship.progress_m());
         let ship_mps = self.ship.speed_mps();
         let aim = azimuth(state.position, velocity, &ship, ship_mps, NEAR_PART * lead_m);
         let bias = chord_bias(&here.foot, foot_mps, &ship, ship_mps);
 
-        let drift = self.drift(input);
+        let drift = self.drift(dt_s, input);
         let heading_rad = aim.rad - bias.rad - drift.angle_rad;
         let heading_error_rad = self.heading_error(heading_rad, state.heading_rad);
         let preview_radps = self.preview_radps(path, &here, foot_mps);
@@ -115,7 +130,8 @@ impl Guidance for Practical {
         Reference {
             heading_rad: ssa(heading_rad),
             heading_error_rad,
-            heading_rate_radps: (course_radps - planned_drift_radps) * drift.yaw_per_course,
+            heading_rate_radps: (course_radps - planned_drift_radps - drift.slowing_radps)
+                * drift.yaw_per_course,
             yaw_per_course: drift.yaw_per_course,
             speed_mps: self.surge_speed(input, &here, speed_mps, lead_m, heading_error_rad),
             progress_m: here.progress_m,
@@ -129,29 +145,45 @@ impl Guidance for Practical {
 /// Drift angle and what it does to the course.
 struct Drift {
     angle_rad: f64,
+    /// Part of the drift angle's rate that comes from speeding up or slowing down, rad/s.
+    slowing_radps: f64,
     yaw_per_course: f64,
 }
 
 impl Practical {
     /// Drift angle β̂ = atan2(v_m + n̂ᵀŴ, u). Yawing turns the boat within the current, so the course turns by
     /// χ̇ = r (1 − u·t̂ᵀŴ/U²): faster than the bow against the current, slower with it.
-    fn drift(&self, input: &GuidanceInput<'_>) -> Drift {
+    fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Drift {
         let bow = unit(input.state.heading_rad);
         let along = bow.dot(input.water.current);
-        let across = input.water.sway_mps + bow.cross(input.water.current);
+        let across = self.planned_sway.sway_mps() + bow.cross(input.water.current);
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
-        let course_per_yaw = 1.0 - surge * along / (surge * surge + across * across);
+        let squared = surge * surge + across * across;
+        let course_per_yaw = 1.0 - surge * along / squared;
+        let rate_mps2 = self.surge_rate_mps2(dt_s, input.state.surge_mps);
         let (least, most) = YAW_PER_COURSE;
         Drift {
+            slowing_radps: -across * rate_mps2 / squared,
             angle_rad: across.atan2(surge).clamp(-MAX_DRIFT_RAD, MAX_DRIFT_RAD),
-            yaw_per_course: if course_per_yaw > 0.0 { (1.0 / course_per_yaw).clamp(least, most) } else { most },
+            yaw_per_course: if course_per_yaw > 0.0 {
+                (1.0 / course_per_yaw).clamp(least, most)
+            } else {
+                most
+            },
         }
+    }
+
+    fn surge_rate_mps2(&mut self, dt_s: f64, surge_mps: f64) -> f64 {
+        let time_constant_s = SURGE_RATE_PART * self.settings.drift_time_s;
+        let gain = -(-dt_s / time_constant_s).exp_m1();
+        self.slow_surge_mps += gain * (surge_mps - self.slow_surge_mps);
+        (surge_mps - self.slow_surge_mps) / time_constant_s
     }
 
     /// What the path's curvature will add to the turn rate within the preview time, rad/s.
     fn preview_radps(&self, path: &helmlink_mission::path::Path, here: &Projection, foot_mps: f64) -> f64 {
         let ahead_m = foot_mps.max(0.0) * self.settings.preview_s;
-        let ahead = point(path, here.progress_m + ahead_m).curvature_radpm;
+        let ahead = path.point(here.progress_m + ahead_m).curvature_radpm;
         (ahead - here.foot.curvature_radpm) * foot_mps
     }
 

@@ -1,4 +1,4 @@
-//! The path as guidance sees it: it goes on straight beyond both ends.
+//! The boat's own place on the path.
 
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathPoint};
@@ -16,30 +16,11 @@ pub struct Projection {
     pub cross_track_m: f64,
 }
 
-/// Point of the path at arc length `progress_m`, continued straight beyond both ends.
-#[must_use]
-pub fn point(path: &Path, progress_m: f64) -> PathPoint {
-    let inside = progress_m.clamp(0.0, path.length_m());
-    let mut point = path.point(inside);
-    let beyond = progress_m - inside;
-    if beyond != 0.0 {
-        point.position = point.position + unit(point.heading_rad) * beyond;
-        point.curvature_radpm = 0.0;
-    }
-    point
-}
-
 /// Projects `position` on the path, near arc length `near_m`, so that it never jumps to another leg.
 #[must_use]
 pub fn project(path: &Path, position: NorthEast, near_m: f64) -> Projection {
-    let length = path.length_m();
-    let mut progress_m = path.project(position, near_m.clamp(0.0, length));
-    let end = path.point(progress_m);
-    let along = unit(end.heading_rad).dot(position - end.position);
-    if (progress_m >= length && along > 0.0) || (progress_m <= 0.0 && along < 0.0) {
-        progress_m += along;
-    }
-    let foot = point(path, progress_m);
+    let progress_m = path.project(position, near_m);
+    let foot = path.point(progress_m);
     let cross_track_m = unit(foot.heading_rad).cross(position - foot.position);
     Projection { progress_m, foot, cross_track_m }
 }

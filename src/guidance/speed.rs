@@ -7,11 +7,13 @@
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathPoint};
 
-use super::progress::point;
 use super::{EndOfPath, unit};
 
 /// Points of the path looked at, from the boat to where it could still stop.
 const SAMPLES: usize = 14;
+
+/// The final approach is never slower than this many times the current: slower, no heading holds the line.
+const CREEP_PER_CURRENT: f64 = 1.3;
 
 /// What limits the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,15 +44,15 @@ impl SpeedLimits {
         let mut allowed_squared = speed_mps * speed_mps;
         for sample in 0..SAMPLES {
             let ahead_m = sample as f64 * step_m;
-            let there = self.bend_speed_mps(&point(path, progress_m + ahead_m), current).min(speed_mps);
-            allowed_squared =
-                allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
+            let there = self.bend_speed_mps(&path.point(progress_m + ahead_m), current).min(speed_mps);
+            allowed_squared = allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
         }
         if end == EndOfPath::Stop {
             let left_m = (path.length_m() - progress_m).max(0.0);
             allowed_squared = allowed_squared.min(2.0 * self.deceleration_mps2 * left_m);
         }
-        allowed_squared.sqrt().max(self.creep_mps.min(speed_mps))
+        let creep_mps = self.creep_mps.max(CREEP_PER_CURRENT * current.norm());
+        allowed_squared.sqrt().max(creep_mps.min(speed_mps))
     }
 
     /// Largest speed over ground (m/s) at one point of the path.

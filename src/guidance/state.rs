@@ -57,8 +57,8 @@ impl VesselState {
             ("yaw rate (rad/s)", self.yaw_rate_radps, MAX_YAW_RATE_RADPS),
         ];
         for (quantity, value, limit) in quantities {
-            // Written so that NaN fails too.
-            if !(value.abs() <= limit) {
+            // NaN is in no range.
+            if !(-limit..=limit).contains(&value) {
                 return Err(StateError { quantity, value, limit });
             }
         }
