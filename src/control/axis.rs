@@ -13,6 +13,8 @@
 use nalgebra::Vector4;
 use serde::Deserialize;
 
+use super::model::regressor;
+
 /// Anti-windup rate as a part of k. At a_c = k the χ terms cancel out of τ; above it the law amplifies
 /// the demand that was already cut off.
 const ANTI_WINDUP_PART: f64 = 0.4;
@@ -50,6 +52,9 @@ pub struct AxisSettings {
     pub dead_zone: f64,
     /// Largest magnitude of the surface's integral ξ, unit.
     pub integral_max: f64,
+    /// Where damping is evaluated: 0 at the measured rate, which cancels the hull's own damping and leaves the
+    /// loop to the gains alone; 1 at the filtered command, which keeps it. The difference is dissipative.
+    pub damping_at_command: f64,
     /// Typical speed (m/s) or yaw rate (rad/s): scales the regressors for adaptation.
     pub typical_rate: f64,
 }
@@ -61,8 +66,10 @@ pub struct AxisInput {
     pub target: f64,
     /// Measured speed or yaw rate.
     pub actual: f64,
-    /// Regressor f.
-    pub regressor: Vector4<f64>,
+    /// The part of `actual` that the hull does not feel: the current along the bow, m/s; zero in yaw.
+    pub drift: f64,
+    /// Coupling of the other axes: v r in surge, u v in yaw, through the water.
+    pub coupling: f64,
     /// Control coefficient ζ, 1/kg or 1/(kg·m²).
     pub effect: f64,
 }
@@ -90,6 +97,7 @@ pub struct SlidingAxis {
     disturbance: f64,
     error: f64,
     surface: f64,
+    regressor: Vector4<f64>,
     demand: f64,
 }
 
@@ -112,6 +120,7 @@ impl SlidingAxis {
             disturbance: 0.0,
             error: 0.0,
             surface: 0.0,
+            regressor: Vector4::zeros(),
             demand: 0.0,
         }
     }
@@ -134,7 +143,9 @@ impl SlidingAxis {
         let g = &self.settings;
         self.error = self.filtered - input.actual;
         self.surface = self.error + g.integral_slope * self.integral - self.anti_windup;
-        let acceleration = rate + g.integral_slope * self.error - self.parameters.dot(&input.regressor)
+        let felt = input.actual - input.drift + g.damping_at_command * self.error;
+        self.regressor = regressor(input.coupling, felt);
+        let acceleration = rate + g.integral_slope * self.error - self.parameters.dot(&self.regressor)
             + g.reaching_gain * self.surface
             + self.disturbance * (self.surface / g.boundary).tanh()
             + ANTI_WINDUP_PART * g.reaching_gain * self.anti_windup;
@@ -163,14 +174,14 @@ impl SlidingAxis {
             self.integral = (self.integral + dt_s * self.error).clamp(-limit, limit);
         }
         if !outcome.saturated {
-            self.adapt(dt_s, &input.regressor);
+            self.adapt(dt_s);
         }
     }
 
-    fn adapt(&mut self, dt_s: f64, regressor: &Vector4<f64>) {
+    fn adapt(&mut self, dt_s: f64) {
         let g = &self.settings;
         let surface = if self.surface.abs() < g.dead_zone { 0.0 } else { self.surface };
-        let learned = self.adaptation.component_mul(regressor) * -surface;
+        let learned = self.adaptation.component_mul(&self.regressor) * -surface;
         let leaked = (self.parameters - self.nominal) * g.parameter_leak;
         let moved = self.parameters + (learned - leaked) * dt_s;
         let offset = (moved - self.nominal).zip_map(&self.freedom, |d, limit| d.clamp(-limit, limit));
@@ -204,3 +215,6 @@ impl SlidingAxis {
         self.parameters
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -18,7 +18,7 @@ const EMBEDDED: [(&str, &str); 4] = [
     ("otter", include_str!("boats/otter.toml")),
     ("monohull38", include_str!("boats/monohull38.toml")),
     ("motorboat", include_str!("boats/motorboat.toml")),
-    ("outboard", include_str!("boats/outboard.toml")),
+    ("skiff", include_str!("boats/skiff.toml")),
 ];
 
 /// One boat, checked.
@@ -141,3 +141,6 @@ impl Boat {
         Ok(boat)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,7 @@ use super::command::Command;
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
 use super::pi_smc::PiSmc;
+use super::predictor::Predictor;
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{
     EndOfPath, Guidance, GuidanceInput, Practical, Reference, StateError, VesselState, Water, unit,
@@ -26,9 +27,7 @@ pub enum HelmError {
     #[error(transparent)]
     State(#[from] StateError),
     /// The time since the last step is out of range.
-    #[error(
-        "a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again"
-    )]
+    #[error("a step of {dt_s} s is outside {MIN_STEP_S} to {MAX_STEP_S} s; after a longer gap engage again")]
     Step {
         /// Step asked for, s.
         dt_s: f64,
@@ -40,6 +39,12 @@ pub enum HelmError {
         speed_mps: f64,
         /// Largest speed of the boat, m/s.
         most_mps: f64,
+    },
+    /// The place on the path to start from is not a number.
+    #[error("a start at arc length {progress_m} m of the path is not a finite number")]
+    Progress {
+        /// Arc length asked for, m.
+        progress_m: f64,
     },
     /// The result is not a number: the state is plausible by itself but the path or gains are not.
     #[error("the controller's output is not finite; engage again")]
@@ -84,6 +89,7 @@ pub struct Helm {
     allocator: Allocator,
     sway: SwayModel,
     drift: DriftEstimator,
+    predictor: Predictor,
     side_force_n: f64,
 }
 
@@ -91,8 +97,7 @@ impl Helm {
     /// The practical guidance with the adaptive PI sliding-mode controller.
     #[must_use]
     pub fn new(boat: &Boat, end: EndOfPath) -> Self {
-        let guidance =
-            Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
+        let guidance = Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
         Self::with_laws(boat, Box::new(guidance), Box::new(PiSmc::new(boat)))
     }
 
@@ -108,21 +113,34 @@ impl Helm {
             allocator: Allocator::new(&boat.actuators, &boat.hull),
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
+            predictor: Predictor::default(),
             side_force_n: 0.0,
         }
+    }
+
+    /// Tells the delay from the measurement of a state to the effect of the command made from it, s: telemetry's
+    /// age, transport and the autopilot's loop, without the actuator's own lag. The state is then predicted across
+    /// it with the commands already on their way, and [`Reference`] speaks of the predicted place. Clamped to
+    /// 0…[`super::predictor::MAX_DELAY_S`]; zero at first.
+    pub fn set_delay_s(&mut self, delay_s: f64) {
+        self.predictor.set_delay_s(delay_s);
     }
 
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
     ///
     /// # Errors
-    /// Refuses a state that is not a number or absurd.
+    /// Refuses a state or a place that is not a number or absurd.
     pub fn engage(&mut self, state: &VesselState, progress_m: f64) -> Result<(), HelmError> {
         state.check()?;
+        if !progress_m.is_finite() {
+            return Err(HelmError::Progress { progress_m });
+        }
         self.guidance.engage(state, progress_m);
         self.law.engage(state.surge_mps, state.yaw_rate_radps);
         self.allocator.reset();
         self.sway = SwayModel::default();
-        self.drift = DriftEstimator::default();
+        self.drift = DriftEstimator::starting_at(state);
+        self.predictor.reset();
         self.side_force_n = 0.0;
         Ok(())
     }
@@ -147,14 +165,18 @@ impl Helm {
         if !(0.0..=self.speed_max_mps).contains(&speed_mps) {
             return Err(HelmError::Speed { speed_mps, most_mps: self.speed_max_mps });
         }
-        let motion = self.observe_water(dt_s, state);
-        let water = Water { sway_mps: motion.sway_mps, current: self.drift.current() };
+        let measured = self.observe_water(dt_s, state);
+        let current = self.drift.current();
+        let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
+        let state = &state;
+        let water = Water { sway_mps: motion.sway_mps, current };
         let reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
         let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);
         self.law.settle(dt_s, &allocation);
         self.side_force_n = allocation.achieved.sway_n;
+        self.predictor.push(allocation.achieved);
         let command = allocation.command;
         if !(command.throttle.is_finite() && command.steering.is_finite()) {
             return Err(HelmError::Output);
@@ -183,3 +205,6 @@ impl Helm {
         WaterMotion { surge_mps, sway_mps, yaw_rate_radps: rate }
     }
 }
+
+#[cfg(test)]
+mod tests;

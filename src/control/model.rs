@@ -7,6 +7,8 @@
 use nalgebra::Vector4;
 use serde::Deserialize;
 
+use super::command::Wrench;
+
 /// Inertia and damping of a hull, through the water.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,6 +65,22 @@ impl Hull {
         1.0 / self.m33_kgm2
     }
 
+    /// Motion after `dt_s` under constant forces and a constant acceleration `bias` in surge (m/s²) and yaw
+    /// (rad/s²). Damping is implicit: stable at any step.
+    #[must_use]
+    pub fn after(&self, dt_s: f64, motion: WaterMotion, wrench: Wrench, bias: [f64; 2]) -> WaterMotion {
+        let WaterMotion { surge_mps: u, sway_mps: v, yaw_rate_radps: r } = motion;
+        let damping = |[d1, d2, d3]: [f64; 3], rate: f64| d1 + d2 * rate.abs() + d3 * rate * rate;
+        let surge = (wrench.surge_n + self.m22_kg * v * r) / self.m11_kg + bias[0];
+        let yaw = (wrench.yaw_nm + (self.m11_kg - self.m22_kg) * u * v) / self.m33_kgm2 + bias[1];
+        let (sway, sway_damping) = self.sway_terms(motion, wrench.sway_n);
+        WaterMotion {
+            surge_mps: (u + dt_s * surge) / (1.0 + dt_s * damping(self.surge_damping, u) / self.m11_kg),
+            sway_mps: (v + dt_s * sway) / (1.0 + dt_s * sway_damping),
+            yaw_rate_radps: (r + dt_s * yaw) / (1.0 + dt_s * damping(self.yaw_damping, r) / self.m33_kgm2),
+        }
+    }
+
     /// Acceleration in sway (m/s²) under a side force (N), with the damping split off as a rate (1/s):
     /// v̇ = `.0` − `.1`·v. Integrated implicitly this is stable at any step.
     #[must_use]
@@ -74,19 +92,11 @@ impl Hull {
     }
 }
 
-/// Surge regressor f_u: `[v r, u, |u|u, u³]`.
+/// Regressor f of either axis: `[coupling, rate, |rate| rate, rate³]`.
+///
+/// In surge `rate` is u and `coupling` is v r; in yaw `rate` is r and `coupling` is u v. All through the water.
 #[must_use]
-pub fn surge_regressor(motion: WaterMotion) -> Vector4<f64> {
-    damping_powers(motion.surge_mps, motion.sway_mps * motion.yaw_rate_radps)
-}
-
-/// Yaw regressor f_r: `[u v, r, |r|r, r³]`.
-#[must_use]
-pub fn yaw_regressor(motion: WaterMotion) -> Vector4<f64> {
-    damping_powers(motion.yaw_rate_radps, motion.surge_mps * motion.sway_mps)
-}
-
-fn damping_powers(rate: f64, coupling: f64) -> Vector4<f64> {
+pub fn regressor(coupling: f64, rate: f64) -> Vector4<f64> {
     Vector4::new(coupling, rate, rate.abs() * rate, rate * rate * rate)
 }
 
@@ -102,7 +112,14 @@ pub struct SwayModel {
 
 impl SwayModel {
     /// Advances the model by `dt_s` and returns the sway through the water, m/s.
-    pub fn step(&mut self, dt_s: f64, hull: &Hull, surge_mps: f64, yaw_rate_radps: f64, side_force_n: f64) -> f64 {
+    pub fn step(
+        &mut self,
+        dt_s: f64,
+        hull: &Hull,
+        surge_mps: f64,
+        yaw_rate_radps: f64,
+        side_force_n: f64,
+    ) -> f64 {
         let motion = WaterMotion { surge_mps, sway_mps: self.sway_mps, yaw_rate_radps };
         let (push, damping) = hull.sway_terms(motion, side_force_n);
         let next = (self.sway_mps + dt_s * push) / (1.0 + dt_s * damping);

@@ -5,7 +5,7 @@ use super::axis::{AxisInput, AxisOutcome, SlidingAxis};
 use super::boat::Boat;
 use super::command::Wrench;
 use super::law::{Law, LawDiagnostics, LawInput};
-use super::model::{Hull, surge_regressor, yaw_regressor};
+use super::model::Hull;
 
 /// The controller of both axes.
 #[derive(Debug, Clone)]
@@ -47,34 +47,31 @@ impl Law for PiSmc {
 
     fn demand(&mut self, dt_s: f64, input: &LawInput<'_>) -> Wrench {
         let limit = self.yaw_rate_max_radps;
-        let reference = input.reference;
+        let LawInput { reference, motion, .. } = *input;
         let correction = self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
         let alpha_r = (correction + reference.heading_rate_radps).clamp(-limit, limit);
         let surge = AxisInput {
             target: reference.speed_mps,
             actual: input.state.surge_mps,
-            regressor: surge_regressor(input.motion),
+            drift: input.state.surge_mps - motion.surge_mps,
+            coupling: motion.sway_mps * motion.yaw_rate_radps,
             effect: self.hull.surge_effect(),
         };
         let yaw = AxisInput {
             target: alpha_r,
             actual: input.state.yaw_rate_radps,
-            regressor: yaw_regressor(input.motion),
+            drift: 0.0,
+            coupling: motion.surge_mps * motion.sway_mps,
             effect: self.hull.yaw_effect(),
         };
         self.last = Some((surge, yaw));
-        Wrench {
-            surge_n: self.surge.demand(dt_s, &surge),
-            sway_n: 0.0,
-            yaw_nm: self.yaw.demand(dt_s, &yaw),
-        }
+        Wrench { surge_n: self.surge.demand(dt_s, &surge), sway_n: 0.0, yaw_nm: self.yaw.demand(dt_s, &yaw) }
     }
 
     fn settle(&mut self, dt_s: f64, allocation: &Allocation) {
         let Some((surge, yaw)) = &self.last else { return };
         let achieved = allocation.achieved;
-        let surge_outcome =
-            AxisOutcome { achieved: achieved.surge_n, saturated: allocation.surge_saturated };
+        let surge_outcome = AxisOutcome { achieved: achieved.surge_n, saturated: allocation.surge_saturated };
         let yaw_outcome = AxisOutcome { achieved: achieved.yaw_nm, saturated: allocation.yaw_saturated };
         self.surge.settle(dt_s, surge, surge_outcome);
         self.yaw.settle(dt_s, yaw, yaw_outcome);

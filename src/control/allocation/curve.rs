@@ -30,8 +30,7 @@ impl ThrustCurve {
     pub fn thrust_n(&self, command: f64) -> f64 {
         let part = command.abs().min(1.0);
         let knee = self.knee();
-        let relative =
-            if part < knee { part / knee * STRAIGHT_PART } else { part.powf(self.exponent) };
+        let relative = if part < knee { part / knee * STRAIGHT_PART } else { part.powf(self.exponent) };
         if command < 0.0 { -relative * self.astern_n } else { relative * self.ahead_n }
     }
 

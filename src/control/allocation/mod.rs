@@ -82,3 +82,6 @@ impl Allocator {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,8 +47,7 @@ impl TwinThrusters {
         let wanted_difference = 0.5 * demand.yaw_nm / arm_m;
         let difference = wanted_difference.clamp(-half_span, half_span);
         let wanted_mean = 0.5 * demand.surge_n;
-        let mean = wanted_mean
-            .clamp(difference.abs() - thrust.astern_n, thrust.ahead_n - difference.abs());
+        let mean = wanted_mean.clamp(difference.abs() - thrust.astern_n, thrust.ahead_n - difference.abs());
 
         let left = thrust.command(mean + difference);
         let right = thrust.command(mean - difference);

@@ -65,7 +65,13 @@ impl Boat {
         [
             ("guidance.lead_m", g.lead_m, 0.1, 1000.0, "look-ahead at low speed, m"),
             ("guidance.lead_time_s", g.lead_time_s, 0.0, 120.0, "look-ahead per speed, s"),
-            ("guidance.lead_softness_m", g.lead_softness_m, 0.1, 5000.0, "lead error that stops the virtual ship, m"),
+            (
+                "guidance.lead_softness_m",
+                g.lead_softness_m,
+                0.1,
+                5000.0,
+                "lead error that stops the virtual ship, m",
+            ),
             ("guidance.drift_time_s", g.drift_time_s, 0.05, 600.0, "time constant of the drift estimate, s"),
             ("guidance.preview_s", g.preview_s, 0.0, 30.0, "curvature preview, s"),
             ("guidance.speed_preview_s", g.speed_preview_s, 0.0, 60.0, "speed preview, s"),
@@ -126,7 +132,7 @@ fn thrust_rules(thrust: &ThrustCurve) -> Vec<Rule> {
 }
 
 /// Keys of the surge axis, in the order of [`axis_rules`].
-const SURGE_KEYS: [&str; 13] = [
+const SURGE_KEYS: [&str; 14] = [
     "control.surge.filter_s",
     "control.surge.acceleration_max",
     "control.surge.reaching_gain",
@@ -140,10 +146,11 @@ const SURGE_KEYS: [&str; 13] = [
     "control.surge.dead_zone",
     "control.surge.integral_max",
     "control.surge.typical_rate",
+    "control.surge.damping_at_command",
 ];
 
 /// Keys of the yaw axis, in the order of [`axis_rules`].
-const YAW_KEYS: [&str; 13] = [
+const YAW_KEYS: [&str; 14] = [
     "control.yaw.filter_s",
     "control.yaw.acceleration_max",
     "control.yaw.reaching_gain",
@@ -157,9 +164,10 @@ const YAW_KEYS: [&str; 13] = [
     "control.yaw.dead_zone",
     "control.yaw.integral_max",
     "control.yaw.typical_rate",
+    "control.yaw.damping_at_command",
 ];
 
-fn axis_rules(a: &AxisSettings, keys: &[&'static str; 13]) -> [Rule; 13] {
+fn axis_rules(a: &AxisSettings, keys: &[&'static str; 14]) -> [Rule; 14] {
     [
         (keys[0], a.filter_s, 0.001, 60.0, "command filter time constant, s"),
         (keys[1], a.acceleration_max, TINY, 100.0, "largest rate of the filtered command"),
@@ -174,13 +182,14 @@ fn axis_rules(a: &AxisSettings, keys: &[&'static str; 13]) -> [Rule; 13] {
         (keys[10], a.dead_zone, 0.0, 10.0, "no adaptation below this |S|"),
         (keys[11], a.integral_max, 0.0, 1000.0, "largest integral"),
         (keys[12], a.typical_rate, 0.001, 40.0, "typical speed or yaw rate"),
+        (keys[13], a.damping_at_command, 0.0, 1.0, "part"),
     ]
 }
 
 fn check(rules: &[Rule]) -> Result<(), BoatError> {
     for &(key, value, least, most, meaning) in rules {
-        // Written so that NaN fails too.
-        if !(value >= least && value <= most) {
+        // NaN is in no range.
+        if !(least..=most).contains(&value) {
             return Err(BoatError::Range { key, value, least, most, meaning });
         }
     }

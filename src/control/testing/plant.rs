@@ -1,27 +1,32 @@
+//! The test boat: rigid body and added mass with sway-yaw coupling, linear to cubic damping, cross-flow drag by
+//! strips, irrotational current (Fossen 2021, ch. 6 and 8). Integrated at 200 Hz.
+
 use helmlink_mission::geodesy::NorthEast;
 
-use crate::control::{Boat, Command, Hull, boat::Actuators};
+use crate::control::allocation::{CircleSettings, RudderSettings};
+use crate::control::boat::Actuators;
+use crate::control::{Boat, Command, Hull};
 use crate::guidance::{VesselState, unit};
 
 const STEP_S: f64 = 0.005;
 
 /// Propulsion and steering of a test boat.
 #[derive(Debug, Clone)]
-pub(crate) enum Drive {
+enum Drive {
     Twin { ahead_n: f64, astern_n: f64, arm_m: f64, lag_s: f64, left: f64, right: f64 },
-    Rudder { boat: Box<crate::control::allocation::RudderSettings>, shaft: f64, angle_rad: f64 },
-    Circle { boat: Box<crate::control::allocation::CircleSettings>, shaft: f64 },
+    Rudder { boat: Box<RudderSettings>, shaft: f64, angle_rad: f64 },
+    Circle { boat: Box<CircleSettings>, shaft: f64 },
 }
 
 #[derive(Debug, Clone)]
 pub(crate) struct Plant {
     pub(crate) hull: Hull,
     /// Coupling of sway and yaw inertia m·x_g, kg·m.
-    pub(crate) m23: f64,
+    m23: f64,
     /// Cross-flow drag, N/(m/s)² per metre, and hull length, m.
-    pub(crate) cross_flow: (f64, f64),
-    pub(crate) drive: Drive,
-    pub(crate) current: NorthEast,
+    cross_flow: (f64, f64),
+    drive: Drive,
+    current: NorthEast,
     /// Constant disturbance: surge N, sway N, yaw N·m.
     pub(crate) push: [f64; 3],
     pub(crate) position: NorthEast,
@@ -66,6 +71,15 @@ impl Plant {
         plant.m23 = 12.25;
         plant.cross_flow = (100.0, 2.0);
         plant
+    }
+
+    /// In a current (m/s, toward rad), heading `heading_rad`, with `surge_mps` through the water.
+    pub(crate) fn under_way(mut self, heading_rad: f64, surge_mps: f64, current: NorthEast) -> Self {
+        let bow = unit(heading_rad);
+        self.heading_rad = heading_rad;
+        self.current = current;
+        self.nu = [surge_mps + bow.dot(current), bow.cross(current), 0.0];
+        self
     }
 
     pub(crate) fn state(&self) -> VesselState {

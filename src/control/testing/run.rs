@@ -1,179 +1,153 @@
-use helmlink_mission::geodesy::NorthEast;
+//! A closed loop: helm and plant along a path, scored on the plant's true position.
+
+use std::collections::VecDeque;
+
 use helmlink_mission::path::Path;
 
 use super::Plant;
-use crate::control::{Boat, Helm};
+use super::noise::Noise;
+use crate::control::{Boat, Command, Helm};
 use crate::guidance::EndOfPath;
+use crate::guidance::progress::project;
 
 /// Time after a bend before the boat counts as settled, s.
 const SETTLING_S: f64 = 40.0;
+/// A boat that starts far away has found the path when it is this part of its look-ahead from it,
+/// and faces along it to within this angle, rad.
+const ACQUIRED_PART: f64 = 0.2;
+const ACQUIRED_RAD: f64 = 0.3;
+/// The last metres before the stop at the end do not count as settled.
+const STOPPING_M: f64 = 8.0;
 
 /// What a closed loop did.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Report {
+    /// Root mean square of the distance from the path, long after bends and before the final approach.
     pub(crate) settled_rms_m: f64,
-    pub(crate) settled_max_m: f64,
+    /// Distance from the path, everywhere.
     pub(crate) path_rms_m: f64,
     pub(crate) path_max_m: f64,
-    pub(crate) whole_rms_m: f64,
-    pub(crate) whole_max_m: f64,
+    /// Distance from the straight legs between the way-points, everywhere: corners count.
+    pub(crate) legs_rms_m: f64,
+    /// Total variation of steering per minute, everywhere and settled.
     pub(crate) steering_per_min: f64,
-    pub(crate) throttle_per_min: f64,
     pub(crate) settled_steering_per_min: f64,
-    pub(crate) duration_s: f64,
     pub(crate) finished: bool,
 }
 
 pub(crate) struct Run<'a> {
     pub(crate) boat: &'a Boat,
     pub(crate) path: &'a Path,
-    pub(crate) points: &'a [NorthEast],
     pub(crate) speed_mps: f64,
-    pub(crate) rate_hz: f64,
+    /// Time steps, used in turn, s.
+    pub(crate) steps_s: &'a [f64],
+    /// Ticks between a command and its effect.
     pub(crate) delay_ticks: usize,
-    /// 1.0: 5 cm Gauss-Markov position, 0.5 deg heading, 0.3 deg/s yaw rate, 3 cm/s velocity noise.
-    pub(crate) noise: f64,
-    pub(crate) trace: bool,
+    /// Delay the helm is told, s.
+    pub(crate) told_delay_s: f64,
+    pub(crate) noise_seed: Option<u64>,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    pub(crate) fn new(boat: &'a Boat, path: &'a Path, speed_mps: f64) -> Self {
+        Self { boat, path, speed_mps, steps_s: &[0.05], delay_ticks: 0, told_delay_s: 0.0, noise_seed: None }
+    }
+
+    /// Runs to the end of the path, or three times the time it should take.
     pub(crate) fn run(&self, plant: &mut Plant) -> Report {
         let mut helm = Helm::new(self.boat, EndOfPath::Stop);
+        helm.set_delay_s(self.told_delay_s);
         helm.engage(&plant.state(), 0.0).unwrap();
-        let dt = 1.0 / self.rate_hz;
-        let limit = (3.0 * self.path.length_m() / self.speed_mps / dt) as usize;
-        let mut sums = [Sum::default(), Sum::default(), Sum::default()];
-        let (mut steering, mut throttle, mut settled_steering) = (0.0, 0.0, 0.0);
-        let mut last: Option<crate::control::Command> = None;
-        let mut bend_s = 0.0;
-        let mut settled_s = 0.0;
-        let mut queue = std::collections::VecDeque::new();
-        let mut report = Report::default();
-        let mut noise = Noise::new(self.noise);
-        for tick in 0..limit {
-            let time_s = tick as f64 * dt;
+        let mut noise = self.noise_seed.map(Noise::seeded);
+        let mut under_way: VecDeque<Command> = VecDeque::from(vec![Command::NEUTRAL; self.delay_ticks]);
+        let mut score = Score::default();
+        let mut acquired = false;
+        let limit_s = 3.0 * self.path.length_m() / self.speed_mps;
+        for dt_s in self.steps_s.iter().copied().cycle() {
             let truth = plant.state();
-            let state = noise.disturb(dt, truth);
-            let output = helm.step(dt, &state, self.path, self.speed_mps).unwrap();
-            let reference = output.diagnostics.reference;
-            if reference.finished {
-                report.finished = true;
+            let state = noise.as_mut().map_or(truth, |noise| noise.disturb(dt_s, truth));
+            let output = helm.step(dt_s, &state, self.path, self.speed_mps).unwrap();
+            let progress_m = output.diagnostics.reference.progress_m;
+            if output.diagnostics.reference.finished || score.time_s > limit_s {
+                score.finished = output.diagnostics.reference.finished;
                 break;
             }
-            if self.path.point(reference.progress_m.max(0.0)).curvature_radpm.abs() > 1e-6 {
-                bend_s = time_s;
-            }
-            let e = if self.noise == 0.0 { reference.cross_track_m } else { crate::guidance::progress::project(self.path, truth.position, reference.progress_m).cross_track_m };
-            sums[1].add(e);
-            sums[2].add(polyline_distance(self.points, truth.position));
-            let settled = time_s - bend_s > SETTLING_S;
-            if settled {
-                sums[0].add(e);
-                settled_s += dt;
-            }
-            if let Some(last) = last {
-                let change = (output.command.steering - last.steering).abs();
-                steering += change;
-                throttle += (output.command.throttle - last.throttle).abs();
-                if settled {
-                    settled_steering += change;
-                }
-            }
-            last = Some(output.command);
-            if self.trace && tick % (self.rate_hz as usize / 2) == 0 {
-                let d = output.diagnostics;
-                println!(
-                    "{time_s:7.1} s {:7.2} k {:6.3} e {e:7.3} pe {:6.3} u {:5.2}/{:5.2} r {:6.3}/{:6.3} Su {:6.3} Sr {:6.3} dh {:.3} {:.3} st {:6.3} th {:6.3} lead {:.2} vm {:.3} v {:.3} W {:.2} {:.2} sat {} {}",
-                    reference.progress_m, self.path.point(reference.progress_m).curvature_radpm, reference.heading_error_rad, state.surge_mps, d.law.alpha_u_mps,
-                    state.yaw_rate_radps, d.law.alpha_r_radps, d.law.surface_u, d.law.surface_r, d.law.disturbance_u, d.law.disturbance_r,
-                    output.command.steering, output.command.throttle, reference.lead_m, d.water.sway_mps, state.sway_mps,
-                    d.water.current.north_m, d.water.current.east_m, d.surge_saturated, d.yaw_saturated
-                );
-            }
-            queue.push_back(output.command);
-            let command =
-                if queue.len() > self.delay_ticks { queue.pop_front().unwrap() } else { Default::default() };
-            plant.advance(dt, command);
-            report.duration_s = time_s;
+            let here = project(self.path, truth.position, progress_m);
+            let leg_m = self.path.distance_to_leg(truth.position, self.path.leg_at(progress_m));
+            let facing = output.diagnostics.reference.heading_error_rad.abs() < ACQUIRED_RAD;
+            acquired |= facing && here.cross_track_m.abs() < ACQUIRED_PART * self.boat.guidance.lead_m;
+            let bend = here.foot.curvature_radpm != 0.0 || !acquired;
+            let stopping = progress_m > self.path.length_m() - STOPPING_M;
+            score.add(dt_s, here.cross_track_m, leg_m, bend, stopping, output.command);
+            under_way.push_back(output.command);
+            plant.advance(dt_s, under_way.pop_front().unwrap());
         }
-        report.settled_rms_m = sums[0].rms();
-        report.settled_max_m = sums[0].max;
-        report.path_rms_m = sums[1].rms();
-        report.path_max_m = sums[1].max;
-        report.whole_rms_m = sums[2].rms();
-        report.whole_max_m = sums[2].max;
-        report.steering_per_min = steering / report.duration_s * 60.0;
-        report.throttle_per_min = throttle / report.duration_s * 60.0;
-        report.settled_steering_per_min = settled_steering / settled_s.max(1.0) * 60.0;
-        report
+        score.report()
     }
 }
 
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    squares: f64,
-    count: f64,
-    max: f64,
+#[derive(Default)]
+struct Score {
+    time_s: f64,
+    bend_s: f64,
+    settled_s: f64,
+    path: Squares,
+    legs: Squares,
+    settled: Squares,
+    steering: f64,
+    settled_steering: f64,
+    last: Option<Command>,
+    finished: bool,
 }
 
-impl Sum {
-    fn add(&mut self, e: f64) {
-        self.squares += e * e;
-        self.count += 1.0;
-        self.max = self.max.max(e.abs());
-    }
-
-    fn rms(&self) -> f64 {
-        if self.count > 0.0 { (self.squares / self.count).sqrt() } else { f64::NAN }
-    }
-}
-
-fn polyline_distance(points: &[NorthEast], position: NorthEast) -> f64 {
-    points
-        .windows(2)
-        .map(|leg| {
-            let along = leg[1] - leg[0];
-            let part = ((position - leg[0]).dot(along) / along.dot(along)).clamp(0.0, 1.0);
-            (position - leg[0] - along * part).norm()
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// The way-points of Fossen's Otter example, in local metres.
-pub(crate) fn box_points() -> Vec<NorthEast> {
-    [(0.0, 0.0), (0.0, 200.0), (149.0, 200.0), (149.0, -50.0), (-100.0, -50.0), (-100.0, 250.0), (200.0, 250.0)]
-        .map(|(north_m, east_m)| NorthEast { north_m, east_m })
-        .to_vec()
-}
-
-pub(crate) fn box_path() -> Path {
-    Path::stub(&box_points(), 0.3)
-}
-
-struct Noise { size: f64, rng: rand_chacha::ChaCha8Rng, bias: [f64; 2] }
-
-impl Noise {
-    fn new(size: f64) -> Self {
-        use rand_chacha::rand_core::SeedableRng;
-        Self { size, rng: rand_chacha::ChaCha8Rng::seed_from_u64(7), bias: [0.0; 2] }
-    }
-    fn normal(&mut self) -> f64 {
-        use rand_chacha::rand_core::Rng;
-        (0..12).map(|_| f64::from(self.rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
-    }
-    fn disturb(&mut self, dt: f64, mut state: crate::guidance::VesselState) -> crate::guidance::VesselState {
-        if self.size == 0.0 { return state; }
-        for i in 0..2 {
-            let w = self.normal();
-            self.bias[i] += -self.bias[i] * dt / 2.0 + 0.05 * (2.0 * dt / 2.0).sqrt() * w;
+impl Score {
+    fn add(&mut self, dt_s: f64, path_m: f64, leg_m: f64, bend: bool, stopping: bool, command: Command) {
+        self.time_s += dt_s;
+        if bend {
+            self.bend_s = self.time_s;
         }
-        let k = self.size;
-        state.position.north_m += k * (self.bias[0] + 0.01 * self.normal());
-        state.position.east_m += k * (self.bias[1] + 0.01 * self.normal());
-        state.heading_rad += k * 0.006 * self.normal();
-        state.yaw_rate_radps += k * 0.005 * self.normal();
-        state.surge_mps += k * 0.03 * self.normal();
-        state.sway_mps += k * 0.03 * self.normal();
-        state
+        let settled = self.time_s - self.bend_s > SETTLING_S && !stopping;
+        self.path.add(dt_s, path_m);
+        self.legs.add(dt_s, leg_m);
+        let change = self.last.map_or(0.0, |last| (command.steering - last.steering).abs());
+        self.steering += change;
+        self.last = Some(command);
+        if settled {
+            self.settled_s += dt_s;
+            self.settled.add(dt_s, path_m);
+            self.settled_steering += change;
+        }
+    }
+
+    fn report(&self) -> Report {
+        Report {
+            settled_rms_m: self.settled.root_mean(),
+            path_rms_m: self.path.root_mean(),
+            path_max_m: self.path.most,
+            legs_rms_m: self.legs.root_mean(),
+            steering_per_min: 60.0 * self.steering / self.time_s,
+            settled_steering_per_min: 60.0 * self.settled_steering / self.settled_s,
+            finished: self.finished,
+        }
+    }
+}
+
+#[derive(Default)]
+struct Squares {
+    sum: f64,
+    weight: f64,
+    most: f64,
+}
+
+impl Squares {
+    fn add(&mut self, weight: f64, value: f64) {
+        self.sum += weight * value * value;
+        self.weight += weight;
+        self.most = self.most.max(value.abs());
+    }
+
+    /// NaN when nothing was added, so that no test passes on nothing.
+    fn root_mean(&self) -> f64 {
+        (self.sum / self.weight).sqrt()
     }
 }
