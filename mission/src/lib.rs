@@ -4,8 +4,9 @@
 //! |---|---|
 //! | [`angle`] | angles on the circle |
 //! | [`geodesy`] | positions on the WGS 84 ellipsoid and in a local north-east plane |
-//! | [`path`] | the curve itself: legs and smooth turns by arc length |
 //! | [`plan`] | mission items and the files they are kept in |
+//! | [`route`] | what a mission means to a boat: waypoints, speeds, waits |
+//! | [`path`] | the curve itself: legs and smooth turns by arc length |
 //!
 //! Nothing here owns a socket, a file handle that outlives a call, or a clock.
 
@@ -13,3 +14,4 @@ pub mod angle;
 pub mod geodesy;
 pub mod path;
 pub mod plan;
+pub mod route;
