@@ -1,4 +1,4 @@
-//! Time of one control step: guidance, law and allocation.
+//! Time of one control step: prediction across 0.3 s, guidance, law and allocation.
 
 // A benchmark that cannot be set up may stop.
 #![allow(clippy::unwrap_used)]
@@ -42,6 +42,7 @@ fn bench_at(bencher: Bencher, name: &str, progress_m: f64) {
         sway_mps: 0.1,
         yaw_rate_radps: 0.02,
     };
+    helm.set_delay_s(0.3);
     helm.engage(&state, progress_m).unwrap();
     bencher.bench_local(|| helm.step(black_box(0.05), black_box(&state), black_box(&path), black_box(1.3)));
 }

@@ -49,6 +49,7 @@ fn a_step_allocates_nothing() {
     for name in Boat::names() {
         let boat = Boat::embedded(name).unwrap();
         let mut helm = Helm::new(&boat, EndOfPath::Stop);
+        helm.set_delay_s(0.4);
         let mut state = VesselState {
             position: NorthEast { north_m: 1.0, east_m: 0.0 },
             heading_rad: 1.0,

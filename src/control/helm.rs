@@ -9,6 +9,7 @@ use super::command::Command;
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
 use super::pi_smc::PiSmc;
+use super::predictor::Predictor;
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{
     EndOfPath, Guidance, GuidanceInput, Practical, Reference, StateError, VesselState, Water, unit,
@@ -88,6 +89,7 @@ pub struct Helm {
     allocator: Allocator,
     sway: SwayModel,
     drift: DriftEstimator,
+    predictor: Predictor,
     side_force_n: f64,
 }
 
@@ -111,8 +113,17 @@ impl Helm {
             allocator: Allocator::new(&boat.actuators, &boat.hull),
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
+            predictor: Predictor::default(),
             side_force_n: 0.0,
         }
+    }
+
+    /// Tells the delay from the measurement of a state to the effect of the command made from it, s: telemetry's
+    /// age, transport and the autopilot's loop, without the actuator's own lag. The state is then predicted across
+    /// it with the commands already on their way, and [`Reference`] speaks of the predicted place. Clamped to
+    /// 0…[`super::predictor::MAX_DELAY_S`]; zero at first.
+    pub fn set_delay_s(&mut self, delay_s: f64) {
+        self.predictor.set_delay_s(delay_s);
     }
 
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
@@ -129,6 +140,7 @@ impl Helm {
         self.allocator.reset();
         self.sway = SwayModel::default();
         self.drift = DriftEstimator::starting_at(state);
+        self.predictor.reset();
         self.side_force_n = 0.0;
         Ok(())
     }
@@ -153,14 +165,18 @@ impl Helm {
         if !(0.0..=self.speed_max_mps).contains(&speed_mps) {
             return Err(HelmError::Speed { speed_mps, most_mps: self.speed_max_mps });
         }
-        let motion = self.observe_water(dt_s, state);
-        let water = Water { sway_mps: motion.sway_mps, current: self.drift.current() };
+        let measured = self.observe_water(dt_s, state);
+        let current = self.drift.current();
+        let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
+        let state = &state;
+        let water = Water { sway_mps: motion.sway_mps, current };
         let reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
         let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);
         self.law.settle(dt_s, &allocation);
         self.side_force_n = allocation.achieved.sway_n;
+        self.predictor.push(allocation.achieved);
         let command = allocation.command;
         if !(command.throttle.is_finite() && command.steering.is_finite()) {
             return Err(HelmError::Output);

@@ -9,6 +9,7 @@
 //! | [`law`] | the seam where other laws plug in |
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
 //! | [`command`] | throttle and steering, normalised |
+//! | [`predictor`] | the state when the command chosen now takes effect |
 //! | [`helm`] | the façade: state and path in, command out |
 
 pub mod allocation;
@@ -21,6 +22,10 @@ pub mod helm;
 pub mod law;
 pub mod model;
 pub mod pi_smc;
+pub mod predictor;
+
+#[cfg(test)]
+mod closed_loop_tests;
 #[cfg(test)]
 mod testing;
 

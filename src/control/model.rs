@@ -7,6 +7,8 @@
 use nalgebra::Vector4;
 use serde::Deserialize;
 
+use super::command::Wrench;
+
 /// Inertia and damping of a hull, through the water.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,6 +63,22 @@ impl Hull {
     #[must_use]
     pub fn yaw_effect(&self) -> f64 {
         1.0 / self.m33_kgm2
+    }
+
+    /// Motion after `dt_s` under constant forces and a constant acceleration `bias` in surge (m/s²) and yaw
+    /// (rad/s²). Damping is implicit: stable at any step.
+    #[must_use]
+    pub fn after(&self, dt_s: f64, motion: WaterMotion, wrench: Wrench, bias: [f64; 2]) -> WaterMotion {
+        let WaterMotion { surge_mps: u, sway_mps: v, yaw_rate_radps: r } = motion;
+        let damping = |[d1, d2, d3]: [f64; 3], rate: f64| d1 + d2 * rate.abs() + d3 * rate * rate;
+        let surge = (wrench.surge_n + self.m22_kg * v * r) / self.m11_kg + bias[0];
+        let yaw = (wrench.yaw_nm + (self.m11_kg - self.m22_kg) * u * v) / self.m33_kgm2 + bias[1];
+        let (sway, sway_damping) = self.sway_terms(motion, wrench.sway_n);
+        WaterMotion {
+            surge_mps: (u + dt_s * surge) / (1.0 + dt_s * damping(self.surge_damping, u) / self.m11_kg),
+            sway_mps: (v + dt_s * sway) / (1.0 + dt_s * sway_damping),
+            yaw_rate_radps: (r + dt_s * yaw) / (1.0 + dt_s * damping(self.yaw_damping, r) / self.m33_kgm2),
+        }
     }
 
     /// Acceleration in sway (m/s²) under a side force (N), with the damping split off as a rate (1/s):

@@ -43,17 +43,20 @@ pub(crate) struct Run<'a> {
     pub(crate) steps_s: &'a [f64],
     /// Ticks between a command and its effect.
     pub(crate) delay_ticks: usize,
+    /// Delay the helm is told, s.
+    pub(crate) told_delay_s: f64,
     pub(crate) noise_seed: Option<u64>,
 }
 
 impl<'a> Run<'a> {
     pub(crate) fn new(boat: &'a Boat, path: &'a Path, speed_mps: f64) -> Self {
-        Self { boat, path, speed_mps, steps_s: &[0.05], delay_ticks: 0, noise_seed: None }
+        Self { boat, path, speed_mps, steps_s: &[0.05], delay_ticks: 0, told_delay_s: 0.0, noise_seed: None }
     }
 
     /// Runs to the end of the path, or three times the time it should take.
     pub(crate) fn run(&self, plant: &mut Plant) -> Report {
         let mut helm = Helm::new(self.boat, EndOfPath::Stop);
+        helm.set_delay_s(self.told_delay_s);
         helm.engage(&plant.state(), 0.0).unwrap();
         let mut noise = self.noise_seed.map(Noise::seeded);
         let mut under_way: VecDeque<Command> = VecDeque::from(vec![Command::NEUTRAL; self.delay_ticks]);
