@@ -53,8 +53,12 @@ impl Party for PacedSitl {
         self.sitl.link_down(link);
     }
 
-    fn on_bytes(&mut self, _now: Duration, link: LinkId, bytes: &[u8], _is_datagram: bool) {
-        self.sitl.on_bytes(link, bytes);
+    fn on_bytes(&mut self, _now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        if is_datagram {
+            self.sitl.on_datagram(link, bytes);
+        } else {
+            self.sitl.on_bytes(link, bytes);
+        }
     }
 
     fn on_tick(&mut self, now: Duration) {

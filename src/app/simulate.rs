@@ -63,7 +63,7 @@ fn closed_loop(args: &SimulateArgs, world: &World, drivable: &Drivable) -> Resul
     }
     let home = sitl::home(world, Some(&drivable.mission));
     let mut simulated = sitl::build(world, home, false)?;
-    simulated.load_mission(&drivable.mission);
+    sitl::load(&mut simulated, &drivable.mission)?;
     Ok(ClosedLoop::new(simulated, bridge, home))
 }
 

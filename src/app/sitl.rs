@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use helmlink_mission::geodesy::Geodetic;
 use helmlink_mission::plan::Mission;
-use helmlink_sitl::{Sitl, SitlSettings};
+use helmlink_sitl::{Sitl, SitlSettings, StartUp};
 
 use super::bridge::interrupted;
 use super::cli::SitlArgs;
@@ -30,7 +30,7 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     let home = home(&world, mission.as_ref());
     let mut sitl = build(&world, home, args.realistic_startup)?;
     if let Some(mission) = &mission {
-        sitl.load_mission(mission);
+        load(&mut sitl, mission)?;
     }
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(serve(args, sitl))
@@ -45,17 +45,24 @@ pub(super) fn check_speedup(speedup: f64) -> Result<(), Failure> {
 
 /// The simulated boat in its world.
 pub(super) fn build(world: &World, home: Geodetic, realistic_startup: bool) -> Result<Sitl, Failure> {
-    let settings = SitlSettings {
-        hull: world.hull.clone(),
+    let mut settings = SitlSettings {
         sea: world.sea,
         sensors: world.sensors.clone(),
         seed: world.seed,
         home,
         heading_rad: world.home.and_then(|(_, heading)| heading).unwrap_or(0.0),
-        realistic_startup,
-        ..SitlSettings::default()
+        ..SitlSettings::new(world.hull.clone())
     };
+    if realistic_startup {
+        settings.autopilot.start_up = StartUp::realistic();
+    }
     Sitl::new(settings).map_err(Failure::usage)
+}
+
+/// Puts a mission on board, as if it had been uploaded.
+pub(super) fn load(sitl: &mut Sitl, mission: &Mission) -> Result<(), Failure> {
+    sitl.set_mission(&mission.items)
+        .map_err(|most| Failure::usage(format!("the mission is too long: the boat stores {most} items, home included")))
 }
 
 /// Where the boat starts: where the user says, at the mission's home, at its first waypoint, or in a default harbour.
