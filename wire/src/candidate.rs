@@ -61,6 +61,40 @@ pub(crate) fn inspect(bytes: &[u8]) -> Verdict {
     }
 }
 
+/// So many frames of unknown messages in a row are believed without a verified one behind them.
+const UNKNOWN_CHAIN: usize = 3;
+
+/// Whether a [`Verdict::Unknown`] is believed to be a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Belief {
+    Yes,
+    No,
+    NeedsMoreBytes,
+}
+
+/// Whether the first `length` of `bytes`, which claim to be the frame of an unknown message, are believed.
+///
+/// They are if frames follow, each after `gap` bytes of something else, or if nothing follows and nothing
+/// will (`closed`). They are not if a verified frame lies within them: a false start must not swallow it.
+pub(crate) fn believe_unknown(bytes: &[u8], length: usize, gap: usize, closed: bool) -> Belief {
+    let mut end = length;
+    for _ in 0..UNKNOWN_CHAIN {
+        if closed && end == bytes.len() {
+            break;
+        }
+        match bytes.get(end + gap..).map_or(Verdict::Incomplete, inspect) {
+            Verdict::Verified(_) => break,
+            Verdict::Unknown { length, .. } => end += gap + length,
+            Verdict::Incomplete if !closed => return Belief::NeedsMoreBytes,
+            _ => return Belief::No,
+        }
+    }
+    let claimed = &bytes[..length];
+    let swallows = (1..length)
+        .any(|at| layout::is_marker(claimed[at]) && matches!(inspect(&claimed[at..]), Verdict::Verified(_)));
+    if swallows { Belief::No } else { Belief::Yes }
+}
+
 /// The byte that ties a message's definition into its checksum; `None` if the dialect lacks the message.
 pub(crate) fn crc_extra(id: u32) -> Option<u8> {
     match MavMessage::extra_crc(id) {

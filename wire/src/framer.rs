@@ -16,10 +16,10 @@
 
 use std::time::Duration;
 
-use crate::candidate::{Verdict, inspect};
+use crate::candidate::{Belief, Verdict, believe_unknown, inspect};
 use crate::frame::Frame;
 use crate::layout::{MAX_FRAME, is_marker};
-use crate::stats::{LinkStatistics, Sequences};
+use crate::stats::{LinkStatistics, Tally};
 
 /// Silence after which the owner of a stream calls [`Framer::end_of_datagram`].
 ///
@@ -30,9 +30,6 @@ pub const IDLE_FLUSH: Duration = Duration::from_millis(100);
 /// push never has more than a few frames' worth waiting.
 pub const MAX_PENDING: usize = 256 * 1024;
 
-/// So many frames of unknown messages in a row are believed without a verified one behind them.
-const UNKNOWN_CHAIN: usize = 3;
-
 /// Finds the frames of one link, of either protocol version, in a stream or in datagrams.
 #[derive(Debug, Clone, Default)]
 pub struct Framer {
@@ -41,10 +38,7 @@ pub struct Framer {
     position: usize,
     /// No candidate that starts before this may reach beyond it.
     closed: usize,
-    /// End of the last damaged frame, so that what lies within it is not counted again.
-    damaged_until: usize,
-    statistics: LinkStatistics,
-    sequences: Sequences,
+    tally: Tally,
 }
 
 /// A frame's place in the buffer.
@@ -52,13 +46,6 @@ struct Found {
     start: usize,
     end: usize,
     verified: bool,
-}
-
-/// Whether an unknown message's frame is believed to be one.
-enum Belief {
-    Yes,
-    No,
-    NeedsMoreBytes,
 }
 
 impl Framer {
@@ -74,7 +61,7 @@ impl Framer {
         self.skip(excess);
         self.forget_done();
         self.buffer.extend_from_slice(bytes);
-        self.statistics.bytes += bytes.len() as u64;
+        self.tally.statistics.bytes += bytes.len() as u64;
     }
 
     /// Says that no frame goes on from the bytes pushed so far to those pushed later: the datagram or the
@@ -102,7 +89,7 @@ impl Framer {
 
     /// What the link has carried and lost so far.
     pub fn statistics(&self) -> &LinkStatistics {
-        &self.statistics
+        &self.tally.statistics
     }
 
     fn frame(&self, found: &Found) -> Frame<'_> {
@@ -117,89 +104,41 @@ impl Framer {
             if self.position == self.buffer.len() {
                 return None;
             }
-            match inspect(&self.buffer[self.position..self.limit()]) {
+            let closed = self.position < self.closed;
+            let limit = if closed { self.closed } else { self.buffer.len() };
+            let candidate = &self.buffer[self.position..limit];
+            match inspect(candidate) {
                 Verdict::Verified(length) => return Some(self.take(length, true)),
-                Verdict::Unknown { length, .. } => match self.belief(length) {
+                Verdict::Unknown { length, .. } => match believe_unknown(candidate, length, 0, closed) {
                     Belief::Yes => return Some(self.take(length, false)),
-                    Belief::No => self.skip(1),
                     Belief::NeedsMoreBytes => return None,
+                    Belief::No => {}
                 },
-                Verdict::Incomplete if !self.is_closed() => return None,
-                Verdict::Incomplete | Verdict::Noise => self.skip(1),
-                Verdict::Incompatible { .. } => {
-                    self.statistics.incompatible += 1;
-                    self.skip(1);
-                }
-                Verdict::Damaged(length) => {
-                    self.note_damage(length);
-                    self.skip(1);
-                }
+                Verdict::Incomplete if !closed => return None,
+                Verdict::Incomplete | Verdict::Noise => {}
+                Verdict::Incompatible { .. } => self.tally.statistics.incompatible += 1,
+                Verdict::Damaged(length) => self.tally.found_damage(length),
             }
+            self.skip(1);
         }
-    }
-
-    /// Whether the frame of an unknown message, `length` bytes from here, is to be believed.
-    fn belief(&self, length: usize) -> Belief {
-        let limit = self.limit();
-        let mut end = self.position + length;
-        for _ in 0..UNKNOWN_CHAIN {
-            if end == limit && self.is_closed() {
-                break;
-            }
-            match inspect(&self.buffer[end..limit]) {
-                Verdict::Verified(_) => break,
-                Verdict::Unknown { length, .. } => end += length,
-                Verdict::Incomplete if !self.is_closed() => return Belief::NeedsMoreBytes,
-                _ => return Belief::No,
-            }
-        }
-        let claimed = &self.buffer[self.position..self.position + length];
-        let swallows = (1..length)
-            .any(|at| is_marker(claimed[at]) && matches!(inspect(&claimed[at..]), Verdict::Verified(_)));
-        if swallows { Belief::No } else { Belief::Yes }
     }
 
     fn take(&mut self, length: usize, verified: bool) -> Found {
         let found = Found { start: self.position, end: self.position + length, verified };
         self.position = found.end;
-        let frame = Frame::new(&self.buffer[found.start..found.end], verified);
-        if verified {
-            self.statistics.frames += 1;
-            self.statistics.sequence_gaps += self.sequences.note(&frame);
-        } else {
-            self.statistics.unknown_ids += 1;
-            self.sequences.note_unverified(&frame);
-        }
+        self.tally.took(&Frame::new(&self.buffer[found.start..found.end], verified));
         found
-    }
-
-    fn note_damage(&mut self, length: usize) {
-        if self.position >= self.damaged_until {
-            self.statistics.crc_errors += 1;
-            self.damaged_until = self.position + length;
-        }
     }
 
     fn skip(&mut self, count: usize) {
         self.position += count;
-        self.statistics.resynchronised_bytes += count as u64;
-    }
-
-    /// Whether the bytes at the search position are all that will ever belong to a frame there.
-    fn is_closed(&self) -> bool {
-        self.position < self.closed
-    }
-
-    /// End of the bytes that may belong to a frame at the search position.
-    fn limit(&self) -> usize {
-        if self.is_closed() { self.closed } else { self.buffer.len() }
+        self.tally.skipped(count);
     }
 
     /// Makes room by dropping the bytes that are done with.
     fn forget_done(&mut self) {
         self.buffer.drain(..self.position);
         self.closed = self.closed.saturating_sub(self.position);
-        self.damaged_until = self.damaged_until.saturating_sub(self.position);
         self.position = 0;
         // One huge push must not hold its memory for ever.
         if self.buffer.capacity() > 2 * MAX_PENDING && self.buffer.len() < MAX_FRAME {

@@ -1,0 +1,108 @@
+//! Logs in.
+
+use std::io::{self, ErrorKind, Read};
+
+use super::Record;
+use super::search::{Search, Step};
+use crate::frame::Frame;
+use crate::stats::LinkStatistics;
+
+/// Bytes asked of the source at a time.
+const BLOCK: usize = 64 * 1024;
+
+/// Reads a log of any length in constant memory.
+///
+/// A record borrows the reader's buffer, so this is not an [`Iterator`]: use
+/// `while let Some(record) = reader.next_record()? { ... }`, or [`records`] on bytes that are in memory.
+#[derive(Debug, Clone)]
+pub struct TlogReader<R> {
+    source: R,
+    buffer: Vec<u8>,
+    ended: bool,
+    search: Search,
+}
+
+impl<R: Read> TlogReader<R> {
+    /// Reads from `source`, which need not be buffered.
+    pub fn new(source: R) -> Self {
+        Self { source, buffer: Vec::with_capacity(2 * BLOCK), ended: false, search: Search::default() }
+    }
+
+    /// The next record with a verified frame; `None` at the end of the log.
+    ///
+    /// # Errors
+    /// Those of the source. Nothing is lost by one: call again to go on.
+    pub fn next_record(&mut self) -> io::Result<Option<Record<'_>>> {
+        loop {
+            match self.search.step(&self.buffer, self.ended) {
+                Step::Record { time_us, frame } => {
+                    return Ok(Some(Record { time_us, frame: Frame::new(&self.buffer[frame], true) }));
+                }
+                Step::NeedsMoreBytes => self.fill()?,
+                Step::End => return Ok(None),
+            }
+        }
+    }
+
+    /// What the log holds and lacks so far; `bytes` and `resynchronised_bytes` include time stamps.
+    pub fn statistics(&self) -> &LinkStatistics {
+        &self.search.tally.statistics
+    }
+
+    fn fill(&mut self) -> io::Result<()> {
+        let done = self.search.done();
+        self.buffer.drain(..done);
+        self.search.rebase(done);
+        let held = self.buffer.len();
+        self.buffer.resize(held + BLOCK, 0);
+        let result = read_some(&mut self.source, &mut self.buffer[held..]);
+        let count = *result.as_ref().unwrap_or(&0);
+        self.buffer.truncate(held + count);
+        self.search.tally.statistics.bytes += count as u64;
+        self.ended = result? == 0;
+        Ok(())
+    }
+}
+
+fn read_some(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    loop {
+        match source.read(buffer) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            result => return result,
+        }
+    }
+}
+
+/// The records of a log that is in memory.
+pub fn records(log: &[u8]) -> Records<'_> {
+    let mut search = Search::default();
+    search.tally.statistics.bytes = log.len() as u64;
+    Records { log, search }
+}
+
+/// Iterator over the records of a log in memory, see [`records`].
+#[derive(Debug, Clone)]
+pub struct Records<'a> {
+    log: &'a [u8],
+    search: Search,
+}
+
+impl Records<'_> {
+    /// What the log holds and lacks so far; `bytes` is its whole length.
+    pub fn statistics(&self) -> &LinkStatistics {
+        &self.search.tally.statistics
+    }
+}
+
+impl<'a> Iterator for Records<'a> {
+    type Item = Record<'a>;
+
+    fn next(&mut self) -> Option<Record<'a>> {
+        match self.search.step(self.log, true) {
+            Step::Record { time_us, frame } => {
+                Some(Record { time_us, frame: Frame::new(&self.log[frame], true) })
+            }
+            Step::NeedsMoreBytes | Step::End => None,
+        }
+    }
+}
