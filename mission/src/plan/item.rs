@@ -3,7 +3,10 @@
 use helmlink_wire::dialect::{MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA};
 use helmlink_wire::enums::*;
 
-use crate::geodesy::Geodetic;
+use super::CommandName;
+use super::command::needs_position;
+use super::error::Fault;
+use crate::geodesy::{Geodetic, PositionFault};
 
 /// Scale of the coordinates of local frames in MISSION_ITEM_INT: tenths of a millimetre.
 const LOCAL_SCALE: f64 = 1e4;
@@ -45,6 +48,11 @@ impl Item {
             z: 0.0,
             autocontinue: true,
         }
+    }
+
+    /// Home as ArduPilot keeps it, as item 0 of a mission: an absolute waypoint, zeroes while unknown.
+    pub fn home(position: Option<Geodetic>) -> Self {
+        Self { frame: MAV_FRAME_GLOBAL, ..Self::waypoint(position.unwrap_or_default()) }
     }
 
     /// Whether `x` and `y` are latitude and longitude.
@@ -150,6 +158,34 @@ impl Item {
         let scale = coordinate_scale(self.frame);
         [f64::from(self.x) / scale, f64::from(self.y) / scale]
     }
+}
+
+/// `x` and `y` of an item whose parameters 5 and 6 a file gives as `coordinates`.
+///
+/// # Errors
+/// A frame that no file of a boat's mission has, a coordinate that is no position or does not fit, a
+/// waypoint without a position.
+pub(super) fn check_and_scale(command: u16, frame: u8, coordinates: [f64; 2]) -> Result<[i32; 2], Fault> {
+    if !is_global(frame) && frame != MAV_FRAME_MISSION {
+        return Err(Fault::Frame(frame));
+    }
+    let [latitude_deg, longitude_deg] = coordinates;
+    if needs_position(command) {
+        if frame == MAV_FRAME_MISSION {
+            return Err(Fault::NoFrame(CommandName(command)));
+        }
+        Geodetic { latitude_deg, longitude_deg }.check()?;
+    }
+    let scale = coordinate_scale(frame);
+    let to_integer = |value: f64, fault: PositionFault| {
+        let scaled = (value * scale).round();
+        let fits = scaled >= f64::from(i32::MIN) && scaled <= f64::from(i32::MAX);
+        if fits { Ok(scaled as i32) } else { Err(Fault::Position(fault)) }
+    };
+    Ok([
+        to_integer(latitude_deg, PositionFault::Latitude(latitude_deg))?,
+        to_integer(longitude_deg, PositionFault::Longitude(longitude_deg))?,
+    ])
 }
 
 /// Whether a MAV_FRAME is one of latitude and longitude.
