@@ -80,7 +80,7 @@ impl Geodetic {
         self.check().is_ok()
     }
 
-    /// Distance over the surface to `other` in metres, from the chord and the mean radius: within 1 cm of
+    /// Distance over the surface to `other` in metres, from the chord and the mean radius: within 2 cm of
     /// the geodesic up to 100 km, within 0.4 % anywhere. Good for checking a plan, not for control.
     pub fn distance_m(self, other: Self) -> f64 {
         let (here, there) = (ecef_m(self), ecef_m(other));
