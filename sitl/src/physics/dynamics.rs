@@ -44,6 +44,13 @@ pub struct NedVector {
     pub east: f64,
 }
 
+impl NedVector {
+    /// Components (forward, to starboard) for a boat whose bow points along the unit vector `bow`.
+    pub fn in_body(self, bow: NedVector) -> (f64, f64) {
+        (self.north * bow.north + self.east * bow.east, self.east * bow.north - self.north * bow.east)
+    }
+}
+
 /// A generalised force in body axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyForce {
@@ -76,19 +83,17 @@ pub fn to_ned(psi_rad: f64, forward: f64, starboard: f64) -> (f64, f64) {
 /// Rotates NED components into body axes.
 pub fn to_body(psi_rad: f64, north: f64, east: f64) -> (f64, f64) {
     let (sin, cos) = psi_rad.sin_cos();
-    (north * cos + east * sin, east * cos - north * sin)
+    NedVector { north, east }.in_body(NedVector { north: cos, east: sin })
 }
 
-/// The angle in (−π, π]. Only for angles that stray by less than a few turns, as a heading does in a step.
-pub(super) fn wrap(mut angle_rad: f64) -> f64 {
+/// The angle in (−π, π].
+pub(super) fn wrap(angle_rad: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
-    while angle_rad > PI {
-        angle_rad -= TAU;
+    if angle_rad > -PI && angle_rad <= PI {
+        return angle_rad;
     }
-    while angle_rad <= -PI {
-        angle_rad += TAU;
-    }
-    angle_rad
+    let turned = angle_rad.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
 }
 
 /// Strips of the cross-flow integral: Fossen's `crossFlowDrag` sums 21 stations from stern to bow, each

@@ -1,6 +1,6 @@
 //! The sea at work: how current, gusts and wave drift vary, and what they do to the hull.
 
-use super::dynamics::{BodyForce, NedVector, State, to_body};
+use super::dynamics::{BodyForce, NedVector, State};
 use super::hull::{Hull, WindLoads};
 use super::random::{GaussMarkov, Source, Stream};
 use super::sea::{Current, Sea, Wind};
@@ -63,6 +63,7 @@ impl Environment {
     /// Advances by `dt_s` and returns what acts on a hull in this state.
     pub fn step(&mut self, dt_s: f64, hull: &State) -> Conditions {
         let mut conditions = Conditions::default();
+        let bow = NedVector { north: hull.psi_rad.cos(), east: hull.psi_rad.sin() };
         if let Some(current) = &mut self.current {
             conditions.current_mps = current.step(dt_s);
         }
@@ -70,13 +71,16 @@ impl Environment {
             conditions.wind_mps = wind.step(dt_s);
             if let Some(loads) = &wind.loads {
                 conditions.force =
-                    conditions.force + wind_force(loads, wind.length_m, conditions.wind_mps, hull);
+                    conditions.force + wind_force(loads, wind.length_m, conditions.wind_mps, hull, bow);
             }
         }
         if let Some(waves) = &mut self.waves {
-            conditions.force = conditions.force + waves.drift(dt_s, hull);
-            let (north_mps, east_mps) = hull.velocity_ned_mps();
-            conditions.wave_motion = waves.field.step(dt_s, hull.psi_rad, north_mps, east_mps);
+            conditions.force = conditions.force + waves.drift(dt_s, bow);
+            let velocity_mps = NedVector {
+                north: hull.u_mps * bow.north - hull.v_mps * bow.east,
+                east: hull.u_mps * bow.east + hull.v_mps * bow.north,
+            };
+            conditions.wave_motion = waves.field.step(dt_s, bow, velocity_mps);
         }
         conditions
     }
@@ -160,9 +164,9 @@ struct Seaway {
 
 impl Seaway {
     /// Second-order drift, which pushes the hull along with the waves and turns it broadside to them.
-    fn drift(&mut self, dt_s: f64, hull: &State) -> BodyForce {
+    fn drift(&mut self, dt_s: f64, bow: NedVector) -> BodyForce {
         let share = (1.0 + DRIFT_WANDER.0 * self.groups.step(dt_s, &mut self.stream)).max(0.0);
-        let (sin_mu, cos_mu) = (self.field.toward_rad() - hull.psi_rad).sin_cos();
+        let (cos_mu, sin_mu) = self.field.toward().in_body(bow);
         let force_n = share * self.reflection_n;
         BodyForce {
             surge_n: force_n * DRIFT_COEFFICIENTS.0 * cos_mu,
@@ -181,8 +185,14 @@ fn reflection_n(height_m: f64, length_m: f64) -> f64 {
 
 /// Wind load on a moving hull (Fossen 2021, eq. 10.5 to 10.7): X and Y along the relative wind's components,
 /// N = ½ρ C_N A_L L V² sin 2γ, which turns the bow away from a wind ahead of the beam.
-fn wind_force(loads: &WindLoads, length_m: f64, wind_mps: NedVector, hull: &State) -> BodyForce {
-    let (forward, starboard) = to_body(hull.psi_rad, wind_mps.north, wind_mps.east);
+fn wind_force(
+    loads: &WindLoads,
+    length_m: f64,
+    wind_mps: NedVector,
+    hull: &State,
+    bow: NedVector,
+) -> BodyForce {
+    let (forward, starboard) = wind_mps.in_body(bow);
     let (forward, starboard) = (forward - hull.u_mps, starboard - hull.v_mps);
     let speed = forward.hypot(starboard);
     let half_density = 0.5 * AIR_DENSITY_KGPM3;
@@ -210,7 +220,7 @@ mod tests {
 
     fn wind_from(deg: f64) -> BodyForce {
         let loads = otter().wind.unwrap();
-        wind_force(&loads, 2.0, along(deg + 180.0, 10.0), &State::default())
+        wind_force(&loads, 2.0, along(deg + 180.0, 10.0), &State::default(), along(0.0, 1.0))
     }
 
     #[test]

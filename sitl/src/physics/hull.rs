@@ -3,7 +3,7 @@
 //! A hull is a TOML file (see `hulls/`); the ones that come with Helmlink are built in. [`Hull::from_toml`]
 //! reads another one and refuses what cannot float.
 
-use super::hull_file;
+use super::{hull_check, hull_file};
 
 /// One boat, validated. All quantities SI, about an origin amidships on the centre line, body axes
 /// x forward, y to starboard, yaw positive to starboard.
@@ -256,6 +256,16 @@ impl Hull {
     /// [`HullError`] names the key, the line or the contradiction.
     pub fn from_toml(text: &str) -> Result<Hull, HullError> {
         hull_file::parse(text)
+    }
+
+    /// Steady speed through the water at full throttle on a straight course, m/s.
+    pub fn top_speed_mps(&self) -> f64 {
+        match &self.dynamics {
+            HullDynamics::Maneuvering(body, drive) => {
+                hull_check::terminal_velocity(&body.surge, hull_check::ahead_limit_n(drive))
+            }
+            HullDynamics::Motorboat(boat) => (boat.thrust_limit_n / boat.drag_n_per_mps2).sqrt(),
+        }
     }
 
     /// True when the boat steers by two thrusters rather than by a rudder or a leg.

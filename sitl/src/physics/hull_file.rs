@@ -5,6 +5,7 @@ use super::hull::{
     CrossFlow, Damping, Hull, HullDynamics, HullError, Maneuvering, Motorboat, Propulsion, SteeredDrive,
     TwinThrusters, WaveResponse, WindLoads,
 };
+use super::hull_check;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -135,7 +136,7 @@ pub(super) fn parse(text: &str) -> Result<Hull, HullError> {
     if file.name.trim().is_empty() {
         return Err(HullError::Layout("hull key `name` is empty: give the boat a name".to_owned()));
     }
-    Ok(Hull {
+    let hull = Hull {
         length_m: within("length_m", file.length_m, 0.2, 500.0, "m")?,
         beam_m: within("beam_m", file.beam_m, 0.05, 100.0, "m")?,
         cruise_speed_mps: within("cruise_speed_mps", file.cruise_speed_mps, 0.05, 50.0, "m/s")?,
@@ -144,7 +145,9 @@ pub(super) fn parse(text: &str) -> Result<Hull, HullError> {
         waves: file.waves.as_ref().map(waves).transpose()?,
         name: file.name,
         summary: file.summary,
-    })
+    };
+    hull_check::check(&hull)?;
+    Ok(hull)
 }
 
 fn dynamics(file: &HullFile) -> Result<HullDynamics, HullError> {

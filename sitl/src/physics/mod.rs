@@ -18,6 +18,7 @@ pub mod dynamics;
 pub mod environment;
 mod estimator;
 pub mod hull;
+mod hull_check;
 mod hull_file;
 mod random;
 pub mod sea;

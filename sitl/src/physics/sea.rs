@@ -156,9 +156,11 @@ impl Sea {
         }
     }
 
-    /// The same sea with wandering current and gusty wind (1), or perfectly steady ones (0).
+    /// The same sea with wandering current and gusty wind (1), or perfectly steady ones (0). Values outside
+    /// 0 to 2 are clipped; NaN counts as steady.
     #[must_use]
     pub fn with_variability(mut self, variability: f64) -> Sea {
+        let variability = if variability.is_nan() { 0.0 } else { variability.clamp(0.0, 2.0) };
         if let Some(current) = &mut self.current {
             current.variability = variability;
         }

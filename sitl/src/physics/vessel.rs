@@ -66,7 +66,7 @@ impl Vessel {
     /// The seed decides gusts, waves and sensor noise. A pose that is not finite is taken as the origin.
     pub fn new(hull: Hull, sea: &Sea, sensors: &SensorSettings, seed: u64, pose: Pose) -> Vessel {
         let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let psi_rad = wrap(finite(pose.psi_rad) % std::f64::consts::TAU);
+        let psi_rad = wrap(finite(pose.psi_rad));
         let mut environment = Environment::new(sea, &hull, seed);
         let berth =
             State { north_m: finite(pose.north_m), east_m: finite(pose.east_m), psi_rad, ..State::default() };

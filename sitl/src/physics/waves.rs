@@ -5,6 +5,7 @@
 //! low-frequency motion).
 
 use super::GRAVITY_MPS2;
+use super::dynamics::NedVector;
 use super::hull::{Hull, WaveResponse};
 use super::random::Stream;
 use super::sea::Waves;
@@ -63,15 +64,13 @@ struct Component {
 pub(super) struct WaveField {
     components: [Component; COMPONENTS],
     response: WaveResponse,
-    toward_rad: f64,
-    toward_north: f64,
-    toward_east: f64,
+    /// Unit vector the waves run along.
+    toward: NedVector,
 }
 
 impl WaveField {
     pub(super) fn new(waves: &Waves, response: WaveResponse, hull: &Hull, stream: &mut Stream) -> WaveField {
-        let toward_rad = (waves.from_deg + 180.0).to_radians();
-        let (toward_east, toward_north) = toward_rad.sin_cos();
+        let (east, north) = (waves.from_deg + 180.0).to_radians().sin_cos();
         let peak_radps = TAU / waves.period_s;
         let width_radps = (BAND.1 - BAND.0) * peak_radps / COMPONENTS as f64;
         let mut components = [Component::default(); COMPONENTS];
@@ -92,14 +91,15 @@ impl WaveField {
             let span = component.wavenumber_per_m * hull.length_m;
             component.felt_m = component.amplitude_m * (-span * span / 24.0).exp();
         }
-        WaveField { components, response, toward_rad, toward_north, toward_east }
+        WaveField { components, response, toward: NedVector { north, east } }
     }
 
-    /// Advances by `dt_s` at the hull's velocity over ground and returns the motion at its heading.
+    /// Advances by `dt_s` at the hull's velocity over ground and returns the motion of a hull whose bow points
+    /// along the unit vector `bow`.
     ///
     /// The phase of each sine turns at its frequency of encounter ω − k·U, U the speed along the waves.
-    pub(super) fn step(&mut self, dt_s: f64, psi_rad: f64, north_mps: f64, east_mps: f64) -> WaveMotion {
-        let along_mps = north_mps * self.toward_north + east_mps * self.toward_east;
+    pub(super) fn step(&mut self, dt_s: f64, bow: NedVector, velocity_mps: NedVector) -> WaveMotion {
+        let along_mps = velocity_mps.north * self.toward.north + velocity_mps.east * self.toward.east;
         let (mut elevation, mut heave, mut slope) = (0.0, 0.0, 0.0);
         let (mut shift, mut shift_rate, mut heave_rate) = (0.0, 0.0, 0.0);
         for component in &mut self.components {
@@ -114,26 +114,26 @@ impl WaveField {
             shift_rate += felt * encounter_radps * cos;
             heave_rate -= felt * encounter_radps * sin;
         }
-        let (sin_mu, cos_mu) = (self.toward_rad - psi_rad).sin_cos();
+        let (cos_mu, sin_mu) = self.toward.in_body(bow);
         let quartering = 2.0 * (sin_mu * cos_mu).abs();
         let yaw = self.response.yaw_rad_per_m * (SHORT_CRESTED_YAW + (1.0 - SHORT_CRESTED_YAW) * quartering);
         WaveMotion {
-            north_m: shift * self.toward_north,
-            east_m: shift * self.toward_east,
+            north_m: shift * self.toward.north,
+            east_m: shift * self.toward.east,
             heave_m: heave,
             psi_rad: yaw * heave,
             roll_rad: -self.response.roll_factor * slope * sin_mu,
             pitch_rad: self.response.pitch_factor * slope * cos_mu,
-            north_mps: shift_rate * self.toward_north,
-            east_mps: shift_rate * self.toward_east,
+            north_mps: shift_rate * self.toward.north,
+            east_mps: shift_rate * self.toward.east,
             r_radps: yaw * heave_rate,
             elevation_m: elevation,
         }
     }
 
-    /// Direction the waves run toward, rad.
-    pub(super) fn toward_rad(&self) -> f64 {
-        self.toward_rad
+    /// Unit vector the waves run along.
+    pub(super) fn toward(&self) -> NedVector {
+        self.toward
     }
 }
 
@@ -168,6 +168,8 @@ mod tests {
     use super::*;
     use crate::physics::random::Source;
 
+    const NORTH: NedVector = NedVector { north: 1.0, east: 0.0 };
+
     fn field(text: &str, seed: u64) -> WaveField {
         let hull = Hull::builtin("otter").unwrap();
         let mut stream = Stream::new(seed, Source::WavePhases);
@@ -175,7 +177,9 @@ mod tests {
     }
 
     fn elevations(field: &mut WaveField, north_mps: f64) -> Vec<f64> {
-        (0..200_000).map(|_| field.step(0.01, 0.0, north_mps, 0.0).elevation_m).collect()
+        (0..200_000)
+            .map(|_| field.step(0.01, NORTH, NedVector { north: north_mps, east: 0.0 }).elevation_m)
+            .collect()
     }
 
     /// Mean period of the upward zero crossings, s.
@@ -207,9 +211,10 @@ mod tests {
     #[test]
     fn rates_are_the_derivatives_of_the_motion() {
         let mut field = field("0.35:2.8@40", 2);
-        let mut last = field.step(0.01, 0.4, 0.5, 0.2);
+        let velocity_mps = NedVector { north: 0.5, east: 0.2 };
+        let mut last = field.step(0.01, NORTH, velocity_mps);
         for _ in 0..1000 {
-            let next = field.step(0.01, 0.4, 0.5, 0.2);
+            let next = field.step(0.01, NORTH, velocity_mps);
             let mean = |a: f64, b: f64| 0.5 * (a + b);
             assert!(
                 ((next.north_m - last.north_m) / 0.01 - mean(next.north_mps, last.north_mps)).abs() < 2e-3
@@ -223,7 +228,7 @@ mod tests {
     fn phasors_keep_their_length_over_an_hour() {
         let mut field = field("0.35:2.8@0", 9);
         for _ in 0..360_000 {
-            field.step(0.01, 0.0, 1.0, 0.0);
+            field.step(0.01, NORTH, NORTH);
         }
         for component in field.components {
             assert!((component.cos.hypot(component.sin) - 1.0).abs() < 1e-9);
