@@ -41,7 +41,7 @@ impl Autopilot {
     }
 
     /// Arms, or says why not.
-    pub(super) fn arm(&mut self, forced: bool) -> bool {
+    pub(crate) fn arm(&mut self, forced: bool) -> bool {
         if self.armed {
             return true;
         }

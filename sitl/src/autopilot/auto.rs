@@ -444,9 +444,9 @@ mod tests {
         let mut stay = waypoint(20.0, 0.0);
         stay.params[0] = 2.0;
         let mut ghost = Ghost::new(vec![stay, command(MAV_CMD_NAV_DELAY, [3.0, 0.0, 0.0, 0.0]), waypoint(0.0, 9.0)]);
-        assert_eq!(reached(&ghost.run(90)), []);
+        assert!(reached(&ghost.run(90)).is_empty());
         assert_eq!(reached(&ghost.run(30)), [1]);
-        assert_eq!(reached(&ghost.run(100)), []);
+        assert!(reached(&ghost.run(100)).is_empty());
         assert_eq!(reached(&ghost.run(60)), [2, 3]);
     }
 
@@ -470,7 +470,7 @@ mod tests {
     fn an_unlimited_loiter_never_ends() {
         let loiter = Item { command: MAV_CMD_NAV_LOITER_UNLIM, ..waypoint(20.0, 0.0) };
         let mut ghost = Ghost::new(vec![loiter, waypoint(40.0, 0.0)]);
-        assert_eq!(reached(&ghost.run(5000)), []);
+        assert!(reached(&ghost.run(5000)).is_empty());
         assert_eq!(ghost.auto.current(), 1);
     }
 

@@ -54,15 +54,6 @@ impl Guided {
     pub(super) fn set_speed(&mut self, speed_mps: f64) {
         self.speed_mps = Some(speed_mps);
     }
-
-    /// The place it goes to or keeps, if it does.
-    pub(super) fn destination(&self) -> Option<NorthEast> {
-        match self.target {
-            Target::Hold(place) => Some(place),
-            Target::Leg { leg, .. } => Some(leg.to),
-            Target::Heading { .. } | Target::TurnRate { .. } => None,
-        }
-    }
 }
 
 /// The parts of a SET_POSITION_TARGET message that matter to a boat; `None` where the mask says ignore.

@@ -28,9 +28,15 @@ struct Link {
     waiting_bytes: usize,
     framer: Framer,
     encoder: Encoder,
-    packets: VecDeque<Vec<u8>>,
+    outbox: Outbox,
     streams: Streams,
     listing: Option<Listing>,
+}
+
+/// Whole frames in packets, waiting to be taken.
+#[derive(Debug, Default)]
+struct Outbox {
+    packets: VecDeque<Vec<u8>>,
 }
 
 /// Bytes as they arrived.
@@ -106,7 +112,7 @@ impl Links {
     /// Sends a message on one link.
     pub(super) fn send(&mut self, link: LinkId, message: &Message) {
         if let Some(link) = self.links.get_mut(&link)
-            && let Some(packet) = link.packet()
+            && let Some(packet) = link.outbox.packet()
         {
             link.encoder.encode(self.own, message, packet);
         }
@@ -136,14 +142,14 @@ impl Links {
 
     /// Passes a frame on unchanged.
     pub(super) fn forward(&mut self, to: LinkId, frame: &[u8]) {
-        if let Some(packet) = self.links.get_mut(&to).and_then(Link::packet) {
+        if let Some(packet) = self.links.get_mut(&to).and_then(|link| link.outbox.packet()) {
             packet.extend_from_slice(frame);
         }
     }
 
     /// The next packet for a link's owner.
     pub(super) fn poll(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        self.links.iter_mut().find_map(|(&id, link)| Some((id, link.packets.pop_front()?)))
+        self.links.iter_mut().find_map(|(&id, link)| Some((id, link.outbox.packets.pop_front()?)))
     }
 
     /// The rates of a link.
@@ -171,7 +177,7 @@ impl Links {
     }
 }
 
-impl Link {
+impl Outbox {
     /// The packet with room for one more frame; `None` when too much waits already.
     fn packet(&mut self) -> Option<&mut Vec<u8>> {
         /// The longest frame: MAVLink 2, signed.

@@ -171,7 +171,7 @@ mod tests {
         let parameters = Parameters::new();
         assert_eq!(parameters.find("WP_RADIUS"), Some(WP_RADIUS));
         assert_eq!(parameters.find("RC1_MIN"), Some(rc(1, RcField::Min)));
-        assert_eq!(parameters.find("RC8_OPTION"), Some(rc(8, RcField::Option)));
+        assert_eq!(parameters.find("RC8_DZ"), Some(rc(8, RcField::Dz)));
         assert_eq!(parameters.find("SERVO3_FUNCTION"), Some(servo(3, ServoField::Function)));
         assert_eq!(parameters.find("SERVO8_REVERSED"), Some(servo(8, ServoField::Reversed)));
     }

@@ -164,8 +164,6 @@ pub(in crate::autopilot) enum RcField {
     Reversed,
     /// Dead zone to either side of neutral, µs.
     Dz,
-    /// Auxiliary function; none is simulated.
-    Option,
 }
 
 /// What can be set of an output, in table order.
@@ -189,6 +187,7 @@ const RC_FIELDS: [(&str, Kind, f32, (f32, f32)); 6] = [
     ("MAX", Kind::Int16, 2000.0, (800.0, 2200.0)),
     ("REVERSED", Kind::Int8, 0.0, (0.0, 1.0)),
     ("DZ", Kind::Int16, 30.0, (0.0, 200.0)),
+    // Auxiliary function: none is simulated, but ground stations expect to see it.
     ("OPTION", Kind::Int16, 0.0, (0.0, 400.0)),
 ];
 
