@@ -1,0 +1,252 @@
+//! The autopilot's links: what waits to be read and written on each, and its message rates.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use helmlink_wire::dialect::{CharArray, Message, STATUSTEXT_DATA};
+use helmlink_wire::encoder::Encoder;
+use helmlink_wire::frame::Identity;
+use helmlink_wire::framer::Framer;
+use helmlink_wire::LinkId;
+
+use super::parameters::Listing;
+use super::routes::Routes;
+use super::streams::Streams;
+
+/// Links served at once. Further ones are not answered.
+pub(super) const MAX_LINKS: usize = 64;
+/// Bytes taken in per link and loop; what exceeds it is lost, as in the buffer of a serial port.
+const MAX_WAITING_BYTES: usize = 1 << 20;
+/// Packets that wait to be taken by the link's owner; what exceeds it is lost.
+const MAX_PACKETS: usize = 512;
+/// Frames are gathered into packets of at most this many bytes: they fit an Ethernet frame as one datagram.
+const PACKET_BYTES: usize = 1400;
+
+/// One link.
+#[derive(Debug, Default)]
+struct Link {
+    waiting: VecDeque<Chunk>,
+    waiting_bytes: usize,
+    framer: Framer,
+    encoder: Encoder,
+    outbox: Outbox,
+    streams: Streams,
+    listing: Option<Listing>,
+}
+
+/// Whole frames in packets, waiting to be taken.
+#[derive(Debug, Default)]
+struct Outbox {
+    packets: VecDeque<Vec<u8>>,
+}
+
+/// Bytes as they arrived.
+#[derive(Debug)]
+struct Chunk {
+    bytes: Vec<u8>,
+    /// Whether no frame goes on in the next chunk.
+    datagram: bool,
+}
+
+/// All links of the autopilot, and who is reached over which.
+#[derive(Debug)]
+pub(super) struct Links {
+    links: BTreeMap<LinkId, Link>,
+    pub(super) routes: Routes,
+    pub(super) own: Identity,
+}
+
+impl Links {
+    pub(super) fn new(own: Identity) -> Self {
+        Self { links: BTreeMap::new(), routes: Routes::default(), own }
+    }
+
+    /// Opens a link; `false` if there are too many already.
+    pub(super) fn up(&mut self, link: LinkId) -> bool {
+        if self.links.len() >= MAX_LINKS && !self.links.contains_key(&link) {
+            return false;
+        }
+        self.links.entry(link).or_default();
+        true
+    }
+
+    /// Forgets a link with all that waits on it.
+    pub(super) fn down(&mut self, link: LinkId) {
+        self.links.remove(&link);
+        self.routes.forget(link);
+    }
+
+    /// Every link, in order.
+    pub(super) fn ids(&self) -> Vec<LinkId> {
+        self.links.keys().copied().collect()
+    }
+
+    /// Takes in bytes; they are read at the next loop.
+    pub(super) fn push(&mut self, link: LinkId, bytes: &[u8], datagram: bool) {
+        if let Some(link) = self.links.get_mut(&link) {
+            let room = MAX_WAITING_BYTES.saturating_sub(link.waiting_bytes);
+            let bytes = &bytes[..bytes.len().min(room)];
+            link.waiting_bytes += bytes.len();
+            link.waiting.push_back(Chunk { bytes: bytes.to_vec(), datagram });
+        }
+    }
+
+    /// Lends out the framer of a link with the bytes that have arrived, so that its frames can be handled
+    /// while the links are in use. Give it back with [`Links::give_back`].
+    pub(super) fn take_framer(&mut self, link: LinkId) -> Option<(Framer, Vec<(Vec<u8>, bool)>)> {
+        let link = self.links.get_mut(&link)?;
+        if link.waiting.is_empty() {
+            return None;
+        }
+        link.waiting_bytes = 0;
+        let chunks = link.waiting.drain(..).map(|chunk| (chunk.bytes, chunk.datagram)).collect();
+        Some((std::mem::take(&mut link.framer), chunks))
+    }
+
+    /// Takes a framer back.
+    pub(super) fn give_back(&mut self, link: LinkId, framer: Framer) {
+        if let Some(link) = self.links.get_mut(&link) {
+            link.framer = framer;
+        }
+    }
+
+    /// Sends a message on one link.
+    pub(super) fn send(&mut self, link: LinkId, message: &Message) {
+        if let Some(link) = self.links.get_mut(&link)
+            && let Some(packet) = link.outbox.packet()
+        {
+            link.encoder.encode(self.own, message, packet);
+        }
+    }
+
+    /// Sends a message on every link.
+    pub(super) fn broadcast(&mut self, message: &Message) {
+        for link in self.ids() {
+            self.send(link, message);
+        }
+    }
+
+    /// Sends STATUSTEXT on every link, in chunks of 50 characters.
+    pub(super) fn text(&mut self, severity: u8, text: &str) {
+        const CHUNK: usize = 50;
+        let chunks: Vec<&[u8]> = text.as_bytes().chunks(CHUNK).collect();
+        // A text in one piece has id 0; the pieces of a longer one share an id, here its length.
+        let id = if chunks.len() > 1 { u16::try_from(text.len()).unwrap_or(u16::MAX) } else { 0 };
+        for (number, chunk) in chunks.iter().enumerate() {
+            let mut bytes = [0; CHUNK];
+            bytes[..chunk.len()].copy_from_slice(chunk);
+            let chunk_seq = u8::try_from(number).unwrap_or(u8::MAX);
+            let piece = STATUSTEXT_DATA { severity, text: CharArray::new(bytes), id, chunk_seq };
+            self.broadcast(&Message::STATUSTEXT(piece));
+        }
+    }
+
+    /// Passes a frame on unchanged.
+    pub(super) fn forward(&mut self, to: LinkId, frame: &[u8]) {
+        if let Some(packet) = self.links.get_mut(&to).and_then(|link| link.outbox.packet()) {
+            packet.extend_from_slice(frame);
+        }
+    }
+
+    /// The next packet for a link's owner.
+    pub(super) fn poll(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.links.iter_mut().find_map(|(&id, link)| Some((id, link.outbox.packets.pop_front()?)))
+    }
+
+    /// The rates of a link.
+    pub(super) fn streams(&mut self, link: LinkId) -> Option<&mut Streams> {
+        self.links.get_mut(&link).map(|link| &mut link.streams)
+    }
+
+    /// Every link has the default rates again.
+    pub(super) fn reset_streams(&mut self) {
+        for link in self.links.values_mut() {
+            link.streams = Streams::default();
+            link.listing = None;
+        }
+    }
+
+    pub(super) fn set_listing(&mut self, link: LinkId, listing: Option<Listing>) {
+        if let Some(link) = self.links.get_mut(&link) {
+            link.listing = listing;
+        }
+    }
+
+    /// The parameter lists under way.
+    pub(super) fn listings(&self) -> Vec<(LinkId, Listing)> {
+        self.links.iter().filter_map(|(&id, link)| Some((id, link.listing?))).collect()
+    }
+}
+
+impl Outbox {
+    /// The packet with room for one more frame; `None` when too much waits already.
+    fn packet(&mut self) -> Option<&mut Vec<u8>> {
+        /// The longest frame: MAVLink 2, signed.
+        const MAX_FRAME: usize = 280;
+        let full = self.packets.back().is_none_or(|last| last.len() + MAX_FRAME > PACKET_BYTES);
+        if full {
+            if self.packets.len() >= MAX_PACKETS {
+                return None;
+            }
+            self.packets.push_back(Vec::with_capacity(PACKET_BYTES));
+        }
+        self.packets.back_mut()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use helmlink_wire::dialect::HEARTBEAT_DATA;
+
+    use super::*;
+
+    const OWN: Identity = Identity { system: 1, component: 1 };
+
+    #[test]
+    fn memory_is_bounded_when_nobody_reads() {
+        let mut links = Links::new(OWN);
+        links.up(LinkId(1));
+        for _ in 0..200_000 {
+            links.broadcast(&Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+        }
+        let mut bytes = 0;
+        while let Some((_, packet)) = links.poll() {
+            assert!(packet.len() <= PACKET_BYTES);
+            bytes += packet.len();
+        }
+        assert!(bytes <= MAX_PACKETS * PACKET_BYTES, "{bytes}");
+        links.push(LinkId(1), &vec![0; 3 * MAX_WAITING_BYTES], false);
+        assert_eq!(links.links[&LinkId(1)].waiting_bytes, MAX_WAITING_BYTES);
+    }
+
+    #[test]
+    fn links_are_limited_in_number_and_forgotten() {
+        let mut links = Links::new(OWN);
+        for id in 0..MAX_LINKS as u32 {
+            assert!(links.up(LinkId(id)));
+        }
+        assert!(!links.up(LinkId(1000)));
+        assert!(links.up(LinkId(3)), "known links stay known");
+        links.down(LinkId(3));
+        assert!(links.up(LinkId(1000)));
+        links.push(LinkId(3), &[1, 2, 3], false);
+        assert!(links.take_framer(LinkId(3)).is_none());
+    }
+
+    #[test]
+    fn long_texts_go_out_in_chunks() {
+        let mut links = Links::new(OWN);
+        links.up(LinkId(1));
+        let text = "x".repeat(70);
+        links.text(6, &text);
+        let (_, packet) = links.poll().unwrap();
+        let mut framer = Framer::new();
+        framer.push(&packet);
+        let mut joined = String::new();
+        while let Some(frame) = framer.next_frame() {
+            let Message::STATUSTEXT(piece) = frame.decode().unwrap() else { panic!() };
+            assert_ne!(piece.id, 0);
+            joined.push_str(piece.text.to_str().unwrap());
+        }
+        assert_eq!(joined, text);
+    }
+}

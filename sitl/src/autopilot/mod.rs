@@ -1,0 +1,440 @@
+//! The simulated flight controller: ArduRover 4.6 as a boat, as far as its clients can tell.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `links`, `routes` | the links, and who is reached over which |
+//! | `messages` | what is done with each message |
+//! | `commands`, `parameters`, `missions`, `ftp` | the services |
+//! | `streams`, `telemetry` | what is sent when |
+//! | `modes`, `arming`, `failsafe` | what the boat may do |
+//! | `rc`, `guided`, `auto`, `breadcrumbs` | where the orders come from |
+//! | `navigation`, `steering`, `outputs` | from places to turn rates to actuators |
+//! | `tuning` | the gains for a hull |
+//!
+//! It runs in loops of 20 ms: [`Autopilot::control`] reads what has arrived and steers, the owner moves the
+//! boat, [`Autopilot::sense`] takes in the new estimate, [`Autopilot::transmit`] sends what is due.
+//! "Measured" in comments means on ArduRover 4.6 in its own simulator.
+
+mod arming;
+mod auto;
+mod breadcrumbs;
+mod commands;
+mod failsafe;
+mod ftp;
+mod guided;
+mod links;
+mod messages;
+mod missions;
+mod modes;
+mod motion;
+mod navigation;
+mod outputs;
+mod parameters;
+mod rc;
+mod routes;
+mod settings;
+mod steering;
+mod streams;
+mod telemetry;
+#[cfg(test)]
+pub(crate) mod testing;
+mod tuning;
+
+use std::time::Duration;
+
+use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
+use helmlink_mission::plan::Item;
+use helmlink_mission::protocol::MissionType;
+use helmlink_mission::protocol::server::{MissionServer, Settings as MissionSettings};
+use helmlink_wire::dialect::{Message, MessageData, RADIO_DATA, RADIO_STATUS_DATA, TIMESYNC_DATA};
+use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
+use helmlink_wire::{Frame, Identity, LinkId};
+
+pub use settings::{AutopilotSettings, StartUp};
+
+use crate::SitlError;
+use crate::physics::{ActuatorCommand, Estimate, Hull, State};
+use auto::Auto;
+use breadcrumbs::Breadcrumbs;
+use failsafe::Failsafe;
+use guided::Guided;
+use links::Links;
+use modes::{Mode, ModeState};
+use motion::Motion;
+use navigation::Report;
+use outputs::{Outputs, function};
+use parameters::*;
+use rc::RcInput;
+use routes::Target;
+use steering::{Command, Steering};
+
+/// Period of the autopilot's loop.
+pub(crate) const LOOP: Duration = Duration::from_millis(20);
+const LOOP_S: f64 = 0.02;
+/// Period of the autopilot's own TIMESYNC questions.
+const TIMESYNC_PERIOD: Duration = Duration::from_secs(10);
+/// Period at which STAT_RUNTIME is told unasked.
+const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
+/// Current drawn at rest, and at full throttle on top, A.
+const CURRENT_A: (f64, f64) = (0.5, 20.0);
+
+/// The flight controller.
+#[derive(Debug)]
+pub(crate) struct Autopilot {
+    settings: AutopilotSettings,
+    /// Whether two thrusters steer.
+    twin: bool,
+    /// Local coordinates; the origin is where the boat started.
+    frame: LocalFrame,
+    parameters: Parameters,
+    links: Links,
+    missions: MissionServer,
+    /// Simulated time, and that of the last start.
+    now: Duration,
+    booted: Duration,
+    estimate: Estimate,
+    /// What really happens, for SIMSTATE alone.
+    truth: State,
+    mode: Mode,
+    mode_state: ModeState,
+    armed: bool,
+    home: Option<Geodetic>,
+    /// Whether home was set by hand and stays where it is on arming.
+    home_locked: bool,
+    rc: RcInput,
+    guided: Guided,
+    auto: Auto,
+    breadcrumbs: Breadcrumbs,
+    failsafe: Failsafe,
+    steering: Steering,
+    command: Command,
+    outputs: Outputs,
+    report: Option<Report>,
+    /// The message that a command has asked for.
+    requested: Option<Message>,
+    consumed_mah: f64,
+}
+
+impl Autopilot {
+    /// A flight controller that has just been switched on, tuned to `hull`, with its local origin at `origin`.
+    pub(crate) fn new(
+        settings: AutopilotSettings,
+        hull: &Hull,
+        origin: Geodetic,
+    ) -> Result<Self, SitlError> {
+        let twin = hull.has_twin_thrusters();
+        let mut parameters = Parameters::new();
+        tuning::apply(&crate::trial::run(hull), twin, &mut parameters);
+        let (first, third) = if twin {
+            (function::THROTTLE_LEFT, function::THROTTLE_RIGHT)
+        } else {
+            (function::STEERING, function::THROTTLE)
+        };
+        parameters.put(servo(1, ServoField::Function), first as f32);
+        parameters.put(servo(3, ServoField::Function), third as f32);
+        parameters.put(SIM_RC_FAIL, if settings.has_rc_receiver { 0.0 } else { 1.0 });
+        for (name, value) in &settings.parameters {
+            parameters.set(name, *value).map_err(|error| SitlError::Parameter {
+                name: name.clone(),
+                value: *value,
+                cause: error.to_string(),
+            })?;
+        }
+        let own = own_identity(&parameters);
+        Ok(Self {
+            settings,
+            twin,
+            frame: LocalFrame::new(origin),
+            parameters,
+            links: Links::new(own),
+            missions: MissionServer::new(MissionSettings::default()),
+            now: Duration::ZERO,
+            booted: Duration::ZERO,
+            estimate: Estimate::default(),
+            truth: State::default(),
+            mode: Mode::Initialising,
+            mode_state: ModeState::default(),
+            armed: false,
+            home: None,
+            home_locked: false,
+            rc: RcInput::default(),
+            guided: Guided::default(),
+            auto: Auto::default(),
+            breadcrumbs: Breadcrumbs::default(),
+            failsafe: Failsafe::default(),
+            steering: Steering::default(),
+            command: Command::default(),
+            outputs: Outputs::default(),
+            report: None,
+            requested: None,
+            consumed_mah: 0.0,
+        })
+    }
+
+    pub(crate) fn link_up(&mut self, link: LinkId) -> bool {
+        self.links.up(link)
+    }
+
+    pub(crate) fn link_down(&mut self, link: LinkId) {
+        self.links.down(link);
+        self.missions.link_down(link);
+    }
+
+    /// Bytes that arrive; they are acted upon in the next loop.
+    pub(crate) fn on_bytes(&mut self, link: LinkId, bytes: &[u8], datagram: bool) {
+        self.links.push(link, bytes, datagram);
+    }
+
+    pub(crate) fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.links.poll()
+    }
+
+    pub(crate) fn is_armed(&self) -> bool {
+        self.armed
+    }
+
+    pub(crate) fn set_mission(&mut self, items: &[Item]) -> Result<(), u16> {
+        self.missions.set_items(MissionType::Mission, items)
+    }
+
+    /// The first half of a loop: reads what has arrived, and says what the actuators are to do.
+    pub(crate) fn control(&mut self, now: Duration) -> ActuatorCommand {
+        self.now = now;
+        for link in self.links.ids() {
+            self.receive(link);
+        }
+        self.start_up();
+        self.poll_missions();
+        self.rc.expire(now, &self.parameters);
+        self.watch_failsafes();
+        let demand = self.demand();
+        let demand = if self.armed || self.mode == Mode::Manual { demand } else { motion::Demand::NEUTRAL };
+        let motion = self.motion();
+        self.command = self.steering.command(demand, &motion, &self.parameters, self.twin, LOOP_S);
+        self.outputs.put(self.command, self.armed, &self.parameters, LOOP_S);
+        self.leave_breadcrumb();
+        self.consumed_mah += self.current_a() * LOOP_S / 3.6;
+        self.outputs.actuators(self.twin)
+    }
+
+    /// Takes in the state of the boat at `now`.
+    pub(crate) fn sense(&mut self, estimate: Estimate, truth: State, now: Duration) {
+        self.estimate = estimate;
+        self.truth = truth;
+        self.now = now;
+    }
+
+    /// The second half of a loop: sends what is due.
+    pub(crate) fn transmit(&mut self) {
+        let before = self.now.saturating_sub(LOOP);
+        self.continue_parameter_lists();
+        self.send_due(before);
+        if self.passes(TIMESYNC_PERIOD) {
+            let question = TIMESYNC_DATA { ts1: self.boot_nanoseconds(), ..TIMESYNC_DATA::DEFAULT };
+            self.links.broadcast(&Message::TIMESYNC(question));
+        }
+        if self.passes(RUNTIME_PERIOD) {
+            self.parameters.put(STAT_RUNTIME, self.since_boot().as_secs_f32());
+            self.announce_parameter(STAT_RUNTIME);
+        }
+    }
+
+    /// Whether a multiple of `period` since the start lies within this loop.
+    fn passes(&self, period: Duration) -> bool {
+        let (now, period) = (self.since_boot().as_nanos(), period.as_nanos());
+        now / period > now.saturating_sub(LOOP.as_nanos()) / period
+    }
+
+    /// Reads what has arrived on a link.
+    fn receive(&mut self, link: LinkId) {
+        let Some((mut framer, chunks)) = self.links.take_framer(link) else { return };
+        for (bytes, datagram) in chunks {
+            framer.push(&bytes);
+            if datagram {
+                framer.end_of_datagram();
+            }
+            while let Some(frame) = framer.next_any() {
+                self.take_frame(link, &frame);
+            }
+        }
+        self.links.give_back(link, framer);
+    }
+
+    /// Passes a frame on to where it is to go, and acts on it if it is for this autopilot.
+    fn take_frame(&mut self, link: LinkId, frame: &Frame) {
+        let (from, own) = (frame.identity(), self.links.own);
+        // Reports of the radio about itself concern its own link alone.
+        let is_local = matches!(frame.message_id(), RADIO_STATUS_DATA::ID | RADIO_DATA::ID);
+        if from == own || from.system == 0 || is_local {
+            return;
+        }
+        let message = if frame.is_verified() { frame.decode().ok() } else { None };
+        let target = message.as_ref().map_or(Target::EVERYONE, Target::of);
+        if message.is_some() {
+            self.links.routes.learn(from, link);
+        }
+        let verdict = self.links.routes.decide(own, from, target, link, &self.links.ids());
+        for to in verdict.onward {
+            self.links.forward(to, frame.bytes());
+        }
+        if let Some(message) = message
+            && verdict.here
+        {
+            self.on_message(link, from, &message);
+        }
+    }
+
+    /// What happens once in the course of starting.
+    fn start_up(&mut self) {
+        if self.mode == Mode::Initialising && self.is_initialised() {
+            let wanted = u32::try_from(self.parameters.int(INITIAL_MODE)).unwrap_or_default();
+            let mode = Mode::from_number(wanted).unwrap_or(Mode::Manual);
+            self.links.text(MAV_SEVERITY_INFO, "ArduRover V4.6.0-dev (helmlink)");
+            self.links.text(MAV_SEVERITY_INFO, "ArduPilot Ready");
+            if self.enter_mode(mode).is_err() {
+                self.mode = Mode::Manual;
+            }
+        }
+        if self.home.is_none() && self.has_position() {
+            self.links.text(MAV_SEVERITY_INFO, "EKF3 IMU0 is using GPS");
+            self.set_home(self.position());
+        }
+    }
+
+    /// Starts anew: everything but parameters, plans and links.
+    fn reboot(&mut self) {
+        self.booted = self.now;
+        self.mode = Mode::Initialising;
+        self.armed = false;
+        self.home = None;
+        self.home_locked = false;
+        self.rc = RcInput::default();
+        self.guided = Guided::default();
+        self.auto = Auto::default();
+        self.failsafe = Failsafe::default();
+        self.steering = Steering::default();
+        self.outputs = Outputs::default();
+        self.report = None;
+        self.missions.set_home(None);
+        self.links.own = own_identity(&self.parameters);
+        self.links.reset_streams();
+        let count = self.parameters.get(STAT_BOOTCNT) as f32 + 1.0;
+        self.parameters.put(STAT_BOOTCNT, count);
+    }
+
+    fn leave_breadcrumb(&mut self) {
+        if self.armed && self.has_position() && self.mode != Mode::SmartRtl {
+            let capacity = usize::try_from(self.parameters.int(SRTL_POINTS)).unwrap_or_default();
+            let position = self.motion().position;
+            self.breadcrumbs.drop_at(position, self.parameters.get(SRTL_ACCURACY), capacity);
+        }
+    }
+
+    /// Time since the last start.
+    fn since_boot(&self) -> Duration {
+        self.now.saturating_sub(self.booted)
+    }
+
+    /// Whether the autopilot has left INITIALISING behind.
+    fn is_initialised(&self) -> bool {
+        self.since_boot() >= self.settings.start_up.initialised_after
+    }
+
+    /// Whether the estimator has a position.
+    fn has_position(&self) -> bool {
+        self.since_boot() >= self.settings.start_up.position_after && self.estimate.has_gps
+    }
+
+    fn motion(&self) -> Motion {
+        Motion::new(&self.estimate)
+    }
+
+    /// The estimated position.
+    fn position(&self) -> Geodetic {
+        self.frame.to_geodetic(self.motion().position)
+    }
+
+    /// Home in local coordinates; the origin as long as there is none.
+    fn home_point(&self) -> NorthEast {
+        self.home.map_or(NorthEast::ZERO, |home| self.frame.to_local(home))
+    }
+
+    /// Current drawn from the battery, A.
+    fn current_a(&self) -> f64 {
+        CURRENT_A.0 + CURRENT_A.1 * self.outputs.throttle().abs()
+    }
+}
+
+/// The address that SYSID_THISMAV gives the autopilot.
+fn own_identity(parameters: &Parameters) -> Identity {
+    let system = u8::try_from(parameters.int(SYSID_THISMAV)).unwrap_or(1);
+    Identity { system, component: MAV_COMP_ID_AUTOPILOT1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use helmlink_wire::dialect::{COMMAND_LONG_DATA, HEARTBEAT_DATA, STATUSTEXT_DATA};
+    use testing::{Bench, COMPANION, GCS, LINK, OTHER_LINK};
+
+    use super::*;
+
+    #[test]
+    fn heartbeats_go_out_once_a_second_on_every_link() {
+        let mut bench = Bench::ready();
+        let sent = bench.run_s(10.0);
+        for link in [LINK, OTHER_LINK] {
+            let beats = sent[&link].iter().filter(|each| matches!(each, Message::HEARTBEAT(_))).count();
+            assert_eq!(beats, 10);
+        }
+    }
+
+    #[test]
+    fn clients_hear_each_other_and_nothing_comes_back() {
+        let mut bench = Bench::ready();
+        bench.send(LINK, GCS, &Message::HEARTBEAT(HEARTBEAT_DATA { mavtype: 6, ..HEARTBEAT_DATA::DEFAULT }));
+        let companion = Message::STATUSTEXT(STATUSTEXT_DATA { severity: 4, ..STATUSTEXT_DATA::DEFAULT });
+        bench.send(OTHER_LINK, COMPANION, &companion);
+        let sent = bench.run_loops(1);
+        assert!(sent[&LINK].contains(&companion));
+        assert!(!sent[&OTHER_LINK].contains(&companion));
+        assert!(sent[&OTHER_LINK].iter().any(|each| matches!(each, Message::HEARTBEAT(data) if data.mavtype == 6)));
+        let command = Message::COMMAND_LONG(COMMAND_LONG_DATA {
+            command: 400,
+            target_system: 1,
+            target_component: COMPANION.component,
+            ..COMMAND_LONG_DATA::DEFAULT
+        });
+        bench.send(LINK, GCS, &command);
+        let sent = bench.run_loops(1);
+        assert!(sent[&OTHER_LINK].contains(&command), "passed on to the companion");
+        assert!(!sent[&LINK].iter().any(|each| matches!(each, Message::COMMAND_ACK(_))), "and not acted upon");
+    }
+
+    #[test]
+    fn a_link_that_is_gone_gets_nothing_and_returns_with_default_rates() {
+        let mut bench = Bench::ready();
+        bench.autopilot.links.streams(LINK).unwrap().set_group(0, 10);
+        assert!(bench.run_s(1.0)[&LINK].len() > 100);
+        bench.link_down(LINK);
+        assert!(bench.run_s(1.0)[&LINK].is_empty());
+        bench.link_up(LINK);
+        assert!(bench.run_s(1.0)[&LINK].len() < 50);
+    }
+
+    #[test]
+    fn the_system_id_changes_with_a_restart() {
+        let mut bench = Bench::ready();
+        bench.autopilot.parameters.put(SYSID_THISMAV, 7.0);
+        assert_eq!(bench.autopilot.links.own.system, 1);
+        bench.autopilot.reboot();
+        assert_eq!(bench.autopilot.links.own.system, 7);
+    }
+
+    #[test]
+    fn without_orders_the_boat_stays_disarmed_and_still() {
+        let mut bench = Bench::ready();
+        bench.run_s(30.0);
+        assert!(!bench.autopilot.armed);
+        assert!(bench.position().norm() < 0.01);
+    }
+}

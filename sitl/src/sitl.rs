@@ -1,0 +1,279 @@
+//! The whole boat: autopilot and physics in step.
+
+use std::time::Duration;
+
+use helmlink_mission::geodesy::{Geodetic, PositionFault};
+use helmlink_mission::plan::Item;
+use helmlink_wire::LinkId;
+
+use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
+use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
+
+/// Physics steps per loop of the autopilot.
+const STEPS_PER_LOOP: u32 = 2;
+
+/// What is simulated. Same settings, same run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SitlSettings {
+    /// The boat.
+    pub hull: Hull,
+    /// Current, wind and waves.
+    pub sea: Sea,
+    /// How good the sensors are.
+    pub sensors: SensorSettings,
+    /// Decides gusts, waves and sensor noise.
+    pub seed: u64,
+    /// Where the boat lies at the start.
+    pub home: Geodetic,
+    /// Its heading there, clockwise from north, rad.
+    pub heading_rad: f64,
+    /// Whether the boat is held at its place until it is first armed, so that no current carries it off
+    /// while the user gets ready (ArduPilot's simulator has no current before arming either).
+    pub moored_until_armed: bool,
+    /// The autopilot.
+    pub autopilot: AutopilotSettings,
+}
+
+impl SitlSettings {
+    /// A boat in calm water with perfect sensors, heading north in the harbour basin of Trondheim.
+    pub fn new(hull: Hull) -> Self {
+        Self {
+            hull,
+            sea: Sea::default(),
+            sensors: SensorSettings::perfect(),
+            seed: 1,
+            home: Geodetic::new(63.4406, 10.4022),
+            heading_rad: 0.0,
+            moored_until_armed: true,
+            autopilot: AutopilotSettings::default(),
+        }
+    }
+}
+
+/// Why a boat cannot be simulated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SitlError {
+    /// The start is nowhere on the globe.
+    #[error("the boat cannot start at home: {0}")]
+    Home(PositionFault),
+    /// A heading that is no angle.
+    #[error("the heading at the start is {0} rad: it must be a finite number")]
+    Heading(f64),
+    /// A parameter that the autopilot does not take.
+    #[error("parameter {name} cannot be set to {value}: {cause}")]
+    Parameter {
+        /// Its name.
+        name: String,
+        /// The value asked for.
+        value: f32,
+        /// What is wrong.
+        cause: String,
+    },
+}
+
+/// A simulated boat with an ArduRover-like autopilot.
+///
+/// The owner opens links, hands in the bytes that arrive on them, advances the simulated time and takes out
+/// what is to be sent:
+///
+/// ```
+/// use std::time::Duration;
+/// use helmlink_sitl::{Sitl, SitlSettings, physics::Hull};
+/// use helmlink_wire::LinkId;
+///
+/// let mut boat = Sitl::new(SitlSettings::new(Hull::builtin("otter")?))?;
+/// boat.link_up(LinkId(1));
+/// boat.advance(Duration::from_secs(1));
+/// let (link, bytes) = boat.poll_transmit().ok_or("a heartbeat is due every second")?;
+/// assert_eq!((link, bytes[0]), (LinkId(1), 0xFD));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Sitl {
+    pub(crate) autopilot: Autopilot,
+    pub(crate) vessel: Vessel,
+    now: Duration,
+    /// Whether the boat waits at its moorings to be armed.
+    moored: bool,
+}
+
+impl Sitl {
+    /// A boat at its start, the autopilot just switched on. Takes some milliseconds: the autopilot is tuned
+    /// to the hull by a short trial.
+    ///
+    /// # Errors
+    /// [`SitlError`] if the settings make no sense; the physics' own settings were checked when they were
+    /// made.
+    pub fn new(settings: SitlSettings) -> Result<Self, SitlError> {
+        settings.home.check().map_err(SitlError::Home)?;
+        if !settings.heading_rad.is_finite() {
+            return Err(SitlError::Heading(settings.heading_rad));
+        }
+        let pose = Pose { psi_rad: settings.heading_rad, ..Pose::default() };
+        let autopilot = Autopilot::new(settings.autopilot, &settings.hull, settings.home)?;
+        let mut vessel =
+            Vessel::new(settings.hull, &settings.sea, &settings.sensors, settings.seed, pose);
+        vessel.set_moored(settings.moored_until_armed);
+        let mut sitl = Self { autopilot, vessel, now: Duration::ZERO, moored: settings.moored_until_armed };
+        sitl.autopilot.sense(sitl.vessel.estimate(), sitl.vessel.truth().hull, Duration::ZERO);
+        Ok(sitl)
+    }
+
+    /// Opens a link. `false` if there are too many; bytes on it are then ignored.
+    pub fn link_up(&mut self, link: LinkId) -> bool {
+        self.autopilot.link_up(link)
+    }
+
+    /// Closes a link: its rates, its transfers and what waits to be sent on it are forgotten.
+    pub fn link_down(&mut self, link: LinkId) {
+        self.autopilot.link_down(link);
+    }
+
+    /// Bytes of a stream that arrive now. They are acted upon in the next loop.
+    pub fn on_bytes(&mut self, link: LinkId, bytes: &[u8]) {
+        self.autopilot.on_bytes(link, bytes, false);
+    }
+
+    /// A datagram that arrives now: as [`Sitl::on_bytes`], but no frame goes on in the next one.
+    pub fn on_datagram(&mut self, link: LinkId, bytes: &[u8]) {
+        self.autopilot.on_bytes(link, bytes, true);
+    }
+
+    /// Lets simulated time pass, in loops of 20 ms: all that end at or before `until`. Each loop reads what
+    /// has arrived, steers, moves the boat, and sends what is due.
+    pub fn advance(&mut self, until: Duration) {
+        while self.now + LOOP <= until {
+            self.run_loop();
+        }
+    }
+
+    fn run_loop(&mut self) {
+        let command = self.autopilot.control(self.now);
+        if self.moored && self.autopilot.is_armed() {
+            self.moored = false;
+            self.vessel.set_moored(false);
+        }
+        for _ in 0..STEPS_PER_LOOP {
+            self.vessel.step(STEP_S, command);
+        }
+        self.now += LOOP;
+        self.autopilot.sense(self.vessel.estimate(), self.vessel.truth().hull, self.now);
+        self.autopilot.transmit();
+    }
+
+    /// The next bytes to send, whole frames, at most 1400 bytes at a time. What is not taken for long is
+    /// dropped.
+    pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.autopilot.poll_transmit()
+    }
+
+    /// Simulated time since the start.
+    pub fn now(&self) -> Duration {
+        self.now
+    }
+
+    /// What really happens to the boat, in metres from home.
+    pub fn truth(&self) -> Truth {
+        self.vessel.truth()
+    }
+
+    /// The boat.
+    pub fn hull(&self) -> &Hull {
+        self.vessel.hull()
+    }
+
+    /// Whether the motors are armed.
+    pub fn is_armed(&self) -> bool {
+        self.autopilot.is_armed()
+    }
+
+    /// Switches the GPS on or off.
+    pub fn set_gps(&mut self, works: bool) {
+        self.vessel.set_gps(works);
+    }
+
+    /// Stores a mission as if it had been uploaded; `items` are without home.
+    ///
+    /// # Errors
+    /// The number of items that can be stored, home included, if there are more.
+    pub fn set_mission(&mut self, items: &[Item]) -> Result<(), u16> {
+        self.autopilot.set_mission(items)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn boat(change: impl FnOnce(&mut SitlSettings)) -> Result<Sitl, SitlError> {
+        let mut settings = SitlSettings::new(Hull::builtin("otter").unwrap());
+        change(&mut settings);
+        Sitl::new(settings)
+    }
+
+    fn sent(boat: &mut Sitl) -> Vec<u8> {
+        let mut all = Vec::new();
+        while let Some((_, bytes)) = boat.poll_transmit() {
+            all.extend(bytes);
+        }
+        all
+    }
+
+    #[test]
+    fn settings_that_make_no_sense_are_refused_by_name() {
+        let home = boat(|settings| settings.home = Geodetic::new(95.0, 0.0));
+        assert!(matches!(home, Err(SitlError::Home(_))));
+        assert!(matches!(boat(|settings| settings.heading_rad = f64::NAN), Err(SitlError::Heading(_))));
+        let unknown = boat(|settings| settings.autopilot.parameters = vec![("NO_SUCH".into(), 1.0)]);
+        assert!(unknown.unwrap_err().to_string().contains("NO_SUCH"));
+        assert!(boat(|settings| settings.autopilot.parameters = vec![("WP_SPEED".into(), 1.2)]).is_ok());
+    }
+
+    #[test]
+    fn loops_run_only_when_they_end_in_time() {
+        let mut boat = boat(|_| {}).unwrap();
+        boat.advance(Duration::from_millis(59));
+        assert_eq!(boat.now(), Duration::from_millis(40));
+        boat.advance(Duration::from_millis(10));
+        assert_eq!(boat.now(), Duration::from_millis(40), "time does not run back");
+    }
+
+    #[test]
+    fn the_same_settings_and_bytes_give_the_same_bytes_in_any_portions() {
+        let run = |portion_ms: u64| {
+            let mut boat = boat(|settings| settings.sensors = SensorSettings::typical()).unwrap();
+            boat.link_up(LinkId(1));
+            let mut bytes = Vec::new();
+            for end in (0..=6000).step_by(portion_ms as usize) {
+                boat.advance(Duration::from_millis(end));
+                bytes.extend(sent(&mut boat));
+            }
+            bytes
+        };
+        let reference = run(20);
+        assert!(reference.len() > 1000);
+        assert_eq!(run(20), reference);
+        assert_eq!(run(200), reference);
+        assert_eq!(run(1000), reference);
+    }
+
+    #[test]
+    fn a_current_waits_until_the_boat_is_armed() {
+        let current = Some("0.5@90".parse().unwrap());
+        let mut boat = boat(|settings| settings.sea = Sea { current, ..Sea::default() }).unwrap();
+        boat.advance(Duration::from_secs(10));
+        assert!(boat.truth().hull.east_m.abs() < 1e-9);
+        assert!(boat.autopilot.arm(false));
+        boat.advance(Duration::from_secs(20));
+        assert!(boat.truth().hull.east_m > 4.0, "{:?}", boat.truth());
+    }
+
+    #[test]
+    fn unknown_links_are_ignored() {
+        let mut boat = boat(|_| {}).unwrap();
+        boat.on_bytes(LinkId(9), &[0xFD, 1, 2, 3]);
+        boat.link_down(LinkId(9));
+        boat.advance(Duration::from_secs(1));
+        assert!(boat.poll_transmit().is_none());
+    }
+}
