@@ -85,7 +85,8 @@ pub struct WorldArgs {
     /// Seed of everything random: the same seed gives the same run, bit for bit
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Where the boat starts: latitude, longitude and heading in degrees
+    /// Where the boat starts: latitude, longitude and heading in degrees. If not given, at the mission's home
+    /// with the bow toward the first waypoint, or in a harbour heading north
     #[arg(long, value_name = "LAT,LON[,HEADING]")]
     pub home: Option<String>,
 }

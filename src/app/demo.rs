@@ -58,7 +58,7 @@ struct Demo {
 impl Demo {
     async fn start(args: &DemoArgs, world: World, drivable: Drivable, boat: Boat) -> Result<(), Failure> {
         let home = sitl::home(&world, Some(&drivable.mission));
-        let sitl = sitl::build(&world, home, false)?;
+        let sitl = sitl::build(&world, home, sitl::first_target(home, &drivable.route), false)?;
         let (boat_edge, address) = listen(args, sitl).await?;
         tracing::info!("the boat listens at tcp:{address}: connect any ground station there to watch");
         let settings = BridgeSettings {

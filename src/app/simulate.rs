@@ -62,7 +62,8 @@ fn closed_loop(args: &SimulateArgs, world: &World, drivable: &Drivable) -> Resul
         bridge.keep_journal(0);
     }
     let home = sitl::home(world, Some(&drivable.mission));
-    let mut simulated = sitl::build(world, home, false)?;
+    let toward = sitl::first_target(home, &drivable.route);
+    let mut simulated = sitl::build(world, home, toward, false)?;
     sitl::load(&mut simulated, &drivable.mission)?;
     Ok(ClosedLoop::new(simulated, bridge, home))
 }

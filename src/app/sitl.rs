@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use helmlink_mission::geodesy::Geodetic;
+use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 use helmlink_mission::plan::Mission;
+use helmlink_mission::route::Route;
 use helmlink_sitl::{Sitl, SitlSettings, StartUp};
 
 use super::bridge::interrupted;
@@ -18,6 +19,8 @@ use crate::link::{Hub, LinkSettings};
 
 /// Where a boat lies when neither the user nor a mission says: Trondheim harbour, as in Fossen's Otter example.
 const DEFAULT_HOME: Geodetic = Geodetic { latitude_deg: 63.4389, longitude_deg: 10.399 };
+/// A waypoint closer to the boat than this gives no direction, metres.
+const AT_HOME_M: f64 = 1.0;
 /// Multiples of real time that make sense.
 const SPEEDUPS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 /// How often a boat that cannot keep its pace is complained of.
@@ -28,7 +31,7 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     check_speedup(args.speedup)?;
     let mission = args.mission.as_deref().map(mission::load).transpose()?.map(|drivable| drivable.mission);
     let home = home(&world, mission.as_ref());
-    let mut sitl = build(&world, home, args.realistic_startup)?;
+    let mut sitl = build(&world, home, None, args.realistic_startup)?;
     if let Some(mission) = &mission {
         load(&mut sitl, mission)?;
     }
@@ -44,13 +47,22 @@ pub(super) fn check_speedup(speedup: f64) -> Result<(), Failure> {
 }
 
 /// The simulated boat in its world.
-pub(super) fn build(world: &World, home: Geodetic, realistic_startup: bool) -> Result<Sitl, Failure> {
+///
+/// Its bow points where the user says, or `toward` a place, or north.
+pub(super) fn build(
+    world: &World,
+    home: Geodetic,
+    toward: Option<Geodetic>,
+    realistic_startup: bool,
+) -> Result<Sitl, Failure> {
+    let given = world.home.and_then(|(_, heading)| heading);
+    let toward = toward.map(|place| LocalFrame::new(home).to_local(place).bearing_rad());
     let mut settings = SitlSettings {
         sea: world.sea,
         sensors: world.sensors.clone(),
         seed: world.seed,
         home,
-        heading_rad: world.home.and_then(|(_, heading)| heading).unwrap_or(0.0),
+        heading_rad: given.or(toward).unwrap_or(0.0),
         ..SitlSettings::new(world.hull.clone())
     };
     if realistic_startup {
@@ -69,6 +81,11 @@ pub(super) fn load(sitl: &mut Sitl, mission: &Mission) -> Result<(), Failure> {
 pub(super) fn home(world: &World, mission: Option<&Mission>) -> Geodetic {
     let of_mission = |mission: &Mission| mission.home.or_else(|| mission.items.iter().find_map(|item| item.position()));
     world.home.map(|(home, _)| home).or_else(|| mission.and_then(of_mission)).unwrap_or(DEFAULT_HOME)
+}
+
+/// The first waypoint that is not where the boat already lies: a boat is launched with its bow that way.
+pub(super) fn first_target(home: Geodetic, route: &Route) -> Option<Geodetic> {
+    route.waypoints.iter().map(|waypoint| waypoint.position).find(|place| home.distance_m(*place) > AT_HOME_M)
 }
 
 async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {

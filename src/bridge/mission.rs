@@ -10,8 +10,11 @@ use helmlink_wire::{Identity, Message};
 
 use super::settings::MissionSource;
 
-/// How long to wait before an empty, unusable or failed mission is asked for again.
+/// How long to wait before an empty or unusable mission is asked for again.
 const RETRY: Duration = Duration::from_secs(5);
+
+/// How long to wait before a transfer that failed is tried again: another one may just be going on.
+const TRANSFER_RETRY: Duration = Duration::from_secs(1);
 
 /// What became of a mission.
 #[derive(Debug)]
@@ -20,6 +23,8 @@ pub(super) enum News {
     Loaded(Route),
     /// There is none, or none that can be driven: why.
     Unusable(String),
+    /// It could not be read this time, and will be tried again: why.
+    NotRead(String),
 }
 
 /// Owns the mission's way from its source to the pilot.
@@ -30,7 +35,6 @@ pub(super) struct MissionKeeper {
     download: Option<Download>,
     loaded: Option<Mission>,
     retry_at: Duration,
-    complaint: Option<String>,
 }
 
 impl MissionKeeper {
@@ -39,7 +43,7 @@ impl MissionKeeper {
             MissionSource::Vehicle => (true, None),
             MissionSource::Given(mission) => (false, Some(mission.clone())),
         };
-        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO, complaint: None }
+        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO }
     }
 
     /// A mission is there, and no newer one is being read.
@@ -99,7 +103,10 @@ impl MissionKeeper {
         match outcome {
             Ok(mission) if self.loaded.as_ref().is_some_and(|loaded| is_same(loaded, &mission)) => None,
             Ok(mission) => Some(self.take_over(now, mission)),
-            Err(error) => Some(self.unusable(now, format!("the mission could not be read: {error}"))),
+            Err(error) => {
+                self.retry_at = now + TRANSFER_RETRY;
+                Some(News::NotRead(format!("the mission could not be read yet: {error}")))
+            }
         }
     }
 
@@ -107,7 +114,6 @@ impl MissionKeeper {
         match Route::from_mission(&mission) {
             Ok(route) => {
                 self.loaded = Some(mission);
-                self.complaint = None;
                 News::Loaded(route)
             }
             Err(error) => {
@@ -119,7 +125,6 @@ impl MissionKeeper {
 
     fn unusable(&mut self, now: Duration, complaint: String) -> News {
         self.retry_at = now + RETRY;
-        self.complaint = Some(complaint.clone());
         News::Unusable(complaint)
     }
 }

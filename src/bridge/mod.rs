@@ -494,6 +494,11 @@ impl Bridge {
                     self.event(enums::MAV_SEVERITY_ERROR, text);
                 }
             }
+            Some(News::NotRead(text)) => {
+                if self.reporter.is_new_problem(&text) {
+                    self.event(enums::MAV_SEVERITY_WARNING, text);
+                }
+            }
             None => {}
         }
     }

@@ -5,7 +5,7 @@ use helmlink_wire::{Message, enums};
 use super::{Bridge, REQUEST_REPEAT, Vehicle};
 use crate::control::Diagnostics;
 use crate::pilot::MissionRun;
-use crate::pilot::supervisor::{Conditions, Duty, State, Transition};
+use crate::pilot::supervisor::{Conditions, Duty, Reason, State, Transition};
 use crate::vehicle::estimate::vessel_state;
 use crate::vehicle::output::Demand;
 use crate::vehicle::streams::{command_long, set_mode};
@@ -60,10 +60,15 @@ impl Bridge {
     fn on_transition(&mut self, transition: Transition) {
         let severity = match transition.to {
             State::Waiting(_) if transition.from == State::Engaged => enums::MAV_SEVERITY_CRITICAL,
+            State::HandingBack if transition.reason == Reason::MissionComplete => enums::MAV_SEVERITY_INFO,
             State::HandingBack | State::Ready if transition.from == State::Engaged => enums::MAV_SEVERITY_WARNING,
             _ => enums::MAV_SEVERITY_INFO,
         };
-        self.event(severity, format!("{}: {}", transition.to, transition.reason));
+        let text = match transition.reason {
+            Reason::Lacking(lack) => lack.to_string(),
+            reason => format!("{}: {reason}", transition.to),
+        };
+        self.event(severity, text);
         match transition.to {
             State::Engaging => self.begin_again_if_complete(),
             State::Engaged => self.engage_run(),

@@ -36,6 +36,9 @@ pub struct Progress {
     pub next: usize,
     /// Number of waypoints.
     pub total: usize,
+    /// The leg that the boat is on: i for the one from waypoint i to waypoint i + 1; none on the way to the first.
+    /// It changes where the path begins its turn into the next leg.
+    pub leg: Option<usize>,
     /// Distance to the right of the smooth path, metres.
     pub cross_track_m: f64,
     /// Distance still to go along this stretch and the straight legs after it, metres.
@@ -107,6 +110,7 @@ impl MissionRun {
         let progress = Progress {
             next: 0,
             total: waypoints.len(),
+            leg: None,
             cross_track_m: 0.0,
             to_go_m: 0.0,
             speed_mps: 0.0,
@@ -228,6 +232,8 @@ impl MissionRun {
         while self.next < stretch.last && place_m >= stretch.arc_length_m(self.next) {
             self.next += 1;
         }
+        let has_left = place_m >= stretch.path.leaving_s_m(stretch.point_index(self.next));
+        self.progress.leg = if has_left { Some(self.next) } else { self.next.checked_sub(1) };
         let to_stop_m = stretch.path.length_m() - place_m;
         self.progress.cross_track_m = reference.cross_track_m;
         self.progress.speed_mps = state.surge_mps.hypot(state.sway_mps);
@@ -287,9 +293,14 @@ impl MissionRun {
 }
 
 impl Stretch {
+    /// The path's number of the mission's waypoint `index`.
+    fn point_index(&self, index: usize) -> usize {
+        index.saturating_sub(self.first_waypoint) + usize::from(self.starts_at_boat)
+    }
+
     /// Arc length at which the boat is abeam of the mission's waypoint `index`.
     fn arc_length_m(&self, index: usize) -> f64 {
-        self.path.waypoint_s_m(index - self.first_waypoint + usize::from(self.starts_at_boat))
+        self.path.waypoint_s_m(self.point_index(index))
     }
 
     /// Where on the path a boat at `position` is that is under way to waypoint `next`.

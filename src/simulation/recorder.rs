@@ -72,12 +72,12 @@ impl RunRecorder {
             throttle: status.demand.throttle,
         });
         // The score begins at the first waypoint, when the boat is on a leg of the mission.
-        if let Some(scorer) = self.scorer.as_mut().filter(|_| progress.next > 0) {
+        if let (Some(scorer), Some(leg)) = (self.scorer.as_mut(), progress.leg) {
             scorer.on_sample(Sample {
                 time_s,
                 position,
                 speed_mps,
-                leg: progress.next - 1,
+                leg,
                 path_error_m,
                 wanted_speed_mps: progress.wanted_speed_mps,
                 steering: status.demand.steering,

@@ -24,6 +24,7 @@ impl Path {
         let mut pen = Pen::at(points[0], legs[0].bearing_rad());
         let mut corners = Vec::with_capacity(legs.len() - 1);
         let mut waypoint_s_m = vec![0.0];
+        let mut leaving_s_m = vec![0.0];
 
         for (waypoint, pair) in (1..).zip(legs.windows(2)) {
             let leg_m = [pair[0].norm(), pair[1].norm()];
@@ -34,6 +35,7 @@ impl Path {
 
             pen.line_to(points[waypoint] - inwards * tangent_m);
             let half_m = shape.map_or(0.0, |(shape, _)| 0.5 * shape.length_m());
+            leaving_s_m.push(pen.s_m);
             waypoint_s_m.push(pen.s_m + half_m);
             let heading_rad = pen.heading_rad + turn_rad;
             if let Some((shape, _)) = shape {
@@ -45,8 +47,10 @@ impl Path {
             corners.push(describe(waypoint, turn_rad, shape));
         }
         pen.last_line_to(points[points.len() - 1]);
+        leaving_s_m.push(pen.s_m);
         waypoint_s_m.push(pen.s_m);
-        Ok(Self { points: points.to_vec(), segments: pen.segments, corners, waypoint_s_m, length_m: pen.s_m })
+        let (points, segments, length_m) = (points.to_vec(), pen.segments, pen.s_m);
+        Ok(Self { points, segments, corners, waypoint_s_m, leaving_s_m, length_m })
     }
 }
 

@@ -68,6 +68,8 @@ pub struct Path {
     corners: Vec<Corner>,
     /// Arc length abeam of each point.
     waypoint_s_m: Vec<f64>,
+    /// Arc length at which the path leaves the straight leg that leads to each point.
+    leaving_s_m: Vec<f64>,
     length_m: f64,
 }
 
@@ -102,6 +104,12 @@ impl Path {
     /// Arc length abeam of point `index`: the middle of its turn. The last point's for a larger index.
     pub fn waypoint_s_m(&self, index: usize) -> f64 {
         self.waypoint_s_m.get(index).copied().unwrap_or(self.length_m)
+    }
+
+    /// Arc length at which the path leaves the straight leg that leads to point `index`, to turn into the next
+    /// one. The last point's for a larger index.
+    pub fn leaving_s_m(&self, index: usize) -> f64 {
+        self.leaving_s_m.get(index).copied().unwrap_or(self.length_m)
     }
 
     /// The leg at arc length `s_m`: `i` for the leg from point `i` to point `i + 1`, changing abeam of the
