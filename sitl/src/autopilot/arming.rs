@@ -84,7 +84,8 @@ mod tests {
     fn too_early_it_says_why_and_force_overrides() {
         let settings = AutopilotSettings { start_up: StartUp::realistic(), ..Default::default() };
         let mut bench = Bench::new(settings);
-        for (at_s, reason) in [(1.0, "Gyros not healthy"), (6.0, "Accels inconsistent"), (18.0, "Gyros inc")] {
+        for (at_s, reason) in [(1.0, "Gyros not healthy"), (6.0, "Accels inconsistent"), (18.0, "Gyros inc")]
+        {
             bench.run_until(Duration::from_secs_f64(at_s));
             assert!(!bench.autopilot.arm(false));
             let sent = bench.run_loops(1);

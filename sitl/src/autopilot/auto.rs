@@ -114,7 +114,7 @@ impl Auto {
             *self = Self { events: std::mem::take(&mut self.events), ..Self::default() };
         }
         self.progress = Progress::Stopped;
-        self.from_here();
+        self.start_here();
     }
 
     /// Stops where it is; [`Auto::resume`] goes on with the current item.
@@ -130,7 +130,7 @@ impl Auto {
         self.current = seq;
         self.jumps.clear();
         self.progress = Progress::Stopped;
-        self.from_here();
+        self.start_here();
     }
 
     /// The items have been replaced; true if that changes what the boat is doing.
@@ -141,7 +141,7 @@ impl Auto {
             self.current = 0;
         }
         self.progress = Progress::Stopped;
-        self.from_here();
+        self.start_here();
         was_running
     }
 
@@ -155,7 +155,7 @@ impl Auto {
         std::mem::take(&mut self.events)
     }
 
-    fn from_here(&mut self) {
+    fn start_here(&mut self) {
         self.step = Step::Begin;
         self.last_place = None;
     }
@@ -287,7 +287,8 @@ impl Auto {
                 let (place, stay_s) = (leg.to, *stay_s);
                 match stay_s {
                     Some(seconds) if seconds > 0.0 => {
-                        let text = format!("Reached waypoint #{}. Loiter for {seconds:.0} seconds", self.current);
+                        let text =
+                            format!("Reached waypoint #{}. Loiter for {seconds:.0} seconds", self.current);
                         self.events.push(Event::Text(text));
                         self.step = Step::Stay { place, until: Some(now + duration(seconds)) };
                     }
@@ -443,7 +444,8 @@ mod tests {
     fn delays_and_stays_take_their_time() {
         let mut stay = waypoint(20.0, 0.0);
         stay.params[0] = 2.0;
-        let mut ghost = Ghost::new(vec![stay, command(MAV_CMD_NAV_DELAY, [3.0, 0.0, 0.0, 0.0]), waypoint(0.0, 9.0)]);
+        let mut ghost =
+            Ghost::new(vec![stay, command(MAV_CMD_NAV_DELAY, [3.0, 0.0, 0.0, 0.0]), waypoint(0.0, 9.0)]);
         assert!(reached(&ghost.run(90)).is_empty());
         assert_eq!(reached(&ghost.run(30)), [1]);
         assert!(reached(&ghost.run(100)).is_empty());
@@ -460,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_current_goes_there_from_here() {
+    fn a_set_current_goes_there_start_here() {
         let mut ghost = Ghost::new(vec![waypoint(20.0, 0.0), waypoint(40.0, 0.0), waypoint(60.0, 0.0)]);
         ghost.auto.set_current(3);
         assert_eq!(reached(&ghost.run(10)), [3]);

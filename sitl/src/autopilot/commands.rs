@@ -407,7 +407,11 @@ mod tests {
         let mut bench = Bench::ready();
         let to = |system, component| {
             let Message::COMMAND_LONG(data) = simple(MAV_CMD_DO_SET_MODE, 1.0, 4.0) else { panic!() };
-            Message::COMMAND_LONG(COMMAND_LONG_DATA { target_system: system, target_component: component, ..data })
+            Message::COMMAND_LONG(COMMAND_LONG_DATA {
+                target_system: system,
+                target_component: component,
+                ..data
+            })
         };
         for (system, component, answers) in [(77, 1, 0), (1, 55, 1), (1, 0, 1), (0, 0, 1)] {
             bench.send(LINK, GCS, &to(system, component));
@@ -431,7 +435,10 @@ mod tests {
     #[test]
     fn intervals_are_set_and_told_per_link() {
         let mut bench = Bench::ready();
-        assert_eq!(result(&mut bench, &simple(MAV_CMD_SET_MESSAGE_INTERVAL, 30.0, 1e5)).0, MAV_RESULT_ACCEPTED);
+        assert_eq!(
+            result(&mut bench, &simple(MAV_CMD_SET_MESSAGE_INTERVAL, 30.0, 1e5)).0,
+            MAV_RESULT_ACCEPTED
+        );
         let interval = |bench: &mut Bench| {
             let (_, sent) = result(bench, &simple(MAV_CMD_GET_MESSAGE_INTERVAL, 30.0, 0.0));
             sent.iter().find_map(|message| match message {
@@ -441,9 +448,8 @@ mod tests {
         };
         assert_eq!(interval(&mut bench), Some(100_000));
         let sent = bench.run_s(2.0);
-        let count = |link| {
-            sent[&link].iter().filter(|message| matches!(message, Message::ATTITUDE(_))).count()
-        };
+        let count =
+            |link| sent[&link].iter().filter(|message| matches!(message, Message::ATTITUDE(_))).count();
         assert_eq!((count(LINK), count(OTHER_LINK)), (20, 2));
         result(&mut bench, &simple(MAV_CMD_SET_MESSAGE_INTERVAL, 30.0, -1.0));
         assert_eq!(interval(&mut bench), Some(-1));
@@ -485,9 +491,15 @@ mod tests {
         let mut bench = Bench::ready();
         bench.autopilot.parameters.put(super::super::parameters::SYSID_MYGCS, 42.0);
         bench.arm();
-        assert_eq!(result(&mut bench, &simple(MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0, 0.0)).0, MAV_RESULT_FAILED);
+        assert_eq!(
+            result(&mut bench, &simple(MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0, 0.0)).0,
+            MAV_RESULT_FAILED
+        );
         bench.autopilot.disarm();
-        assert_eq!(result(&mut bench, &simple(MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0, 0.0)).0, MAV_RESULT_ACCEPTED);
+        assert_eq!(
+            result(&mut bench, &simple(MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0, 0.0)).0,
+            MAV_RESULT_ACCEPTED
+        );
         assert!(bench.autopilot.since_boot() < Duration::from_millis(100));
         assert_eq!(bench.autopilot.parameters.int(super::super::parameters::SYSID_MYGCS), 42);
     }

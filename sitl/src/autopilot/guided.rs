@@ -216,8 +216,7 @@ impl Autopilot {
                 }
                 let default_mps = navigation::default_speed_mps(&self.parameters);
                 let speed_mps = self.guided.speed_mps.unwrap_or(default_mps);
-                let (demand, report) =
-                    navigation::follow(&leg, speed_mps, true, &motion, &self.parameters);
+                let (demand, report) = navigation::follow(&leg, speed_mps, true, &motion, &self.parameters);
                 (demand, Some(report))
             }
             Target::Heading { heading_rad, speed_mps, .. } => {

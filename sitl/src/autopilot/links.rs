@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
+use helmlink_wire::LinkId;
 use helmlink_wire::dialect::{CharArray, Message, STATUSTEXT_DATA};
 use helmlink_wire::encoder::Encoder;
 use helmlink_wire::frame::Identity;
 use helmlink_wire::framer::Framer;
-use helmlink_wire::LinkId;
 
 use super::parameters::Listing;
 use super::routes::Routes;
@@ -41,10 +41,10 @@ struct Outbox {
 
 /// Bytes as they arrived.
 #[derive(Debug)]
-struct Chunk {
-    bytes: Vec<u8>,
+pub(super) struct Chunk {
+    pub(super) bytes: Vec<u8>,
     /// Whether no frame goes on in the next chunk.
-    datagram: bool,
+    pub(super) datagram: bool,
 }
 
 /// All links of the autopilot, and who is reached over which.
@@ -92,14 +92,13 @@ impl Links {
 
     /// Lends out the framer of a link with the bytes that have arrived, so that its frames can be handled
     /// while the links are in use. Give it back with [`Links::give_back`].
-    pub(super) fn take_framer(&mut self, link: LinkId) -> Option<(Framer, Vec<(Vec<u8>, bool)>)> {
+    pub(super) fn take_framer(&mut self, link: LinkId) -> Option<(Framer, VecDeque<Chunk>)> {
         let link = self.links.get_mut(&link)?;
         if link.waiting.is_empty() {
             return None;
         }
         link.waiting_bytes = 0;
-        let chunks = link.waiting.drain(..).map(|chunk| (chunk.bytes, chunk.datagram)).collect();
-        Some((std::mem::take(&mut link.framer), chunks))
+        Some((std::mem::take(&mut link.framer), std::mem::take(&mut link.waiting)))
     }
 
     /// Takes a framer back.

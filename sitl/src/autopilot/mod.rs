@@ -60,7 +60,7 @@ use failsafe::Failsafe;
 use guided::Guided;
 use links::Links;
 use modes::{Mode, ModeState};
-use motion::Motion;
+use motion::{Demand, Drift, Motion};
 use navigation::Report;
 use outputs::{Outputs, function};
 use parameters::*;
@@ -75,6 +75,8 @@ const LOOP_S: f64 = 0.02;
 const TIMESYNC_PERIOD: Duration = Duration::from_secs(10);
 /// Period at which STAT_RUNTIME is told unasked.
 const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
+/// Time constant of the drift angle's filter, in time constants of the heading.
+const DRIFT_SHARE: f64 = 4.0;
 /// Current drawn at rest, and at full throttle on top, A.
 const CURRENT_A: (f64, f64) = (0.5, 20.0);
 
@@ -106,6 +108,7 @@ pub(crate) struct Autopilot {
     auto: Auto,
     breadcrumbs: Breadcrumbs,
     failsafe: Failsafe,
+    drift: Drift,
     steering: Steering,
     command: Command,
     outputs: Outputs,
@@ -117,11 +120,7 @@ pub(crate) struct Autopilot {
 
 impl Autopilot {
     /// A flight controller that has just been switched on, tuned to `hull`, with its local origin at `origin`.
-    pub(crate) fn new(
-        settings: AutopilotSettings,
-        hull: &Hull,
-        origin: Geodetic,
-    ) -> Result<Self, SitlError> {
+    pub(crate) fn new(settings: AutopilotSettings, hull: &Hull, origin: Geodetic) -> Result<Self, SitlError> {
         let twin = hull.has_twin_thrusters();
         let mut parameters = Parameters::new();
         tuning::apply(&crate::trial::run(hull), twin, &mut parameters);
@@ -162,6 +161,7 @@ impl Autopilot {
             auto: Auto::default(),
             breadcrumbs: Breadcrumbs::default(),
             failsafe: Failsafe::default(),
+            drift: Drift::default(),
             steering: Steering::default(),
             command: Command::default(),
             outputs: Outputs::default(),
@@ -207,8 +207,9 @@ impl Autopilot {
         self.poll_missions();
         self.rc.expire(now, &self.parameters);
         self.watch_failsafes();
+        self.drift.update(&self.motion(), DRIFT_SHARE / self.parameters.get(ATC_STR_ANG_P), LOOP_S);
         let demand = self.demand();
-        let demand = if self.armed || self.mode == Mode::Manual { demand } else { motion::Demand::NEUTRAL };
+        let demand = if self.armed || self.mode == Mode::Manual { demand } else { Demand::NEUTRAL };
         let motion = self.motion();
         self.command = self.steering.command(demand, &motion, &self.parameters, self.twin, LOOP_S);
         self.outputs.put(self.command, self.armed, &self.parameters, LOOP_S);
@@ -248,9 +249,9 @@ impl Autopilot {
     /// Reads what has arrived on a link.
     fn receive(&mut self, link: LinkId) {
         let Some((mut framer, chunks)) = self.links.take_framer(link) else { return };
-        for (bytes, datagram) in chunks {
-            framer.push(&bytes);
-            if datagram {
+        for chunk in chunks {
+            framer.push(&chunk.bytes);
+            if chunk.datagram {
                 framer.end_of_datagram();
             }
             while let Some(frame) = framer.next_any() {
@@ -346,7 +347,7 @@ impl Autopilot {
     }
 
     fn motion(&self) -> Motion {
-        Motion::new(&self.estimate)
+        Motion::new(&self.estimate, &self.drift)
     }
 
     /// The estimated position.
@@ -397,7 +398,11 @@ mod tests {
         let sent = bench.run_loops(1);
         assert!(sent[&LINK].contains(&companion));
         assert!(!sent[&OTHER_LINK].contains(&companion));
-        assert!(sent[&OTHER_LINK].iter().any(|each| matches!(each, Message::HEARTBEAT(data) if data.mavtype == 6)));
+        assert!(
+            sent[&OTHER_LINK]
+                .iter()
+                .any(|each| matches!(each, Message::HEARTBEAT(data) if data.mavtype == 6))
+        );
         let command = Message::COMMAND_LONG(COMMAND_LONG_DATA {
             command: 400,
             target_system: 1,
@@ -407,7 +412,10 @@ mod tests {
         bench.send(LINK, GCS, &command);
         let sent = bench.run_loops(1);
         assert!(sent[&OTHER_LINK].contains(&command), "passed on to the companion");
-        assert!(!sent[&LINK].iter().any(|each| matches!(each, Message::COMMAND_ACK(_))), "and not acted upon");
+        assert!(
+            !sent[&LINK].iter().any(|each| matches!(each, Message::COMMAND_ACK(_))),
+            "and not acted upon"
+        );
     }
 
     #[test]

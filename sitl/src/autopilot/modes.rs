@@ -90,10 +90,7 @@ impl Mode {
 
     /// Whether the autopilot navigates in it; such modes need a position.
     pub(super) fn is_autopilot(self) -> bool {
-        matches!(
-            self,
-            Self::Loiter | Self::Circle | Self::Auto | Self::Rtl | Self::SmartRtl | Self::Guided
-        )
+        matches!(self, Self::Loiter | Self::Circle | Self::Auto | Self::Rtl | Self::SmartRtl | Self::Guided)
     }
 
     /// Whether it needs the estimator's velocity at least.
@@ -205,9 +202,7 @@ impl Autopilot {
         let motion = self.motion();
         let sticks = self.rc.sticks(self.now, &self.parameters);
         let (demand, report) = match self.mode {
-            Mode::Manual => {
-                (Demand::Direct { steering: sticks.steering, throttle: sticks.throttle }, None)
-            }
+            Mode::Manual => (Demand::Direct { steering: sticks.steering, throttle: sticks.throttle }, None),
             Mode::Acro | Mode::Steering => {
                 let speed_mps = sticks.throttle * self.stick_speed_mps();
                 let rate_radps = sticks.steering * self.parameters.get(ACRO_TURN_RATE).to_radians();
@@ -222,12 +217,7 @@ impl Autopilot {
             Mode::Loiter => with_report(navigation::hold(self.mode_state.point, &motion, &self.parameters)),
             Mode::Circle => {
                 let clockwise = self.parameters.int(CIRC_DIR) == 0;
-                with_report(navigation::circle(
-                    self.mode_state.point,
-                    clockwise,
-                    &motion,
-                    &self.parameters,
-                ))
+                with_report(navigation::circle(self.mode_state.point, clockwise, &motion, &self.parameters))
             }
             Mode::Rtl | Mode::SmartRtl => with_report(self.go_home()),
             Mode::Guided => self.guided_demand(),

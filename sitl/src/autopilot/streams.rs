@@ -177,9 +177,7 @@ mod tests {
         let parameters = Parameters::new();
         let loops = seconds * 50;
         (1..=loops)
-            .filter(|&number| {
-                streams.due(LOOP * (number - 1), LOOP * number, &parameters).contains(&id)
-            })
+            .filter(|&number| streams.due(LOOP * (number - 1), LOOP * number, &parameters).contains(&id))
             .count()
     }
 
@@ -194,7 +192,8 @@ mod tests {
     #[test]
     fn rates_are_kept_exactly_and_capped() {
         let mut streams = Streams::default();
-        for (rate_hz, expected) in [(1, 10), (4, 40), (10, 100), (25, 250), (40, 400), (50, 400), (200, 400)] {
+        for (rate_hz, expected) in [(1, 10), (4, 40), (10, 100), (25, 250), (40, 400), (50, 400), (200, 400)]
+        {
             streams.set(ATTITUDE_DATA::ID, Some(Duration::from_secs(1) / rate_hz));
             assert_eq!(count(&streams, ATTITUDE_DATA::ID, 10), expected, "{rate_hz} Hz");
         }
