@@ -56,8 +56,9 @@ impl Autopilot {
         self.breadcrumbs.clear();
         if self.has_position() && !self.home_locked {
             self.set_home(self.position());
+        } else {
+            self.send_home();
         }
-        self.send_home();
         self.links.text(MAV_SEVERITY_INFO, "Throttle armed");
         true
     }
