@@ -11,6 +11,25 @@
 //! | [`tlog`] | telemetry logs: time-stamped frames, as ground stations write them |
 //!
 //! This crate knows frames, not what a message means.
+//!
+//! ```
+//! use helmlink_wire::dialect::HEARTBEAT_DATA;
+//! use helmlink_wire::{Encoder, Framer, Identity, Message};
+//!
+//! let boat = Identity { system: 1, component: 1 };
+//! let message = Message::HEARTBEAT(HEARTBEAT_DATA { mavtype: 11, ..HEARTBEAT_DATA::DEFAULT });
+//! let mut bytes = b"noise".to_vec();
+//! Encoder::new().encode(boat, &message, &mut bytes);
+//!
+//! let mut framer = Framer::new();
+//! framer.push(&bytes);
+//! framer.end_of_datagram();
+//! while let Some(frame) = framer.next_frame() {
+//!     assert_eq!(frame.identity(), boat);
+//!     assert_eq!(frame.decode(), Ok(message.clone()));
+//! }
+//! assert_eq!(framer.statistics().frames, 1);
+//! ```
 
 mod candidate;
 pub mod dialect;
