@@ -111,8 +111,7 @@ impl Sitl {
         }
         let pose = Pose { psi_rad: settings.heading_rad, ..Pose::default() };
         let autopilot = Autopilot::new(settings.autopilot, &settings.hull, settings.home)?;
-        let mut vessel =
-            Vessel::new(settings.hull, &settings.sea, &settings.sensors, settings.seed, pose);
+        let mut vessel = Vessel::new(settings.hull, &settings.sea, &settings.sensors, settings.seed, pose);
         vessel.set_moored(settings.moored_until_armed);
         let mut sitl = Self { autopilot, vessel, now: Duration::ZERO, moored: settings.moored_until_armed };
         sitl.autopilot.sense(sitl.vessel.estimate(), sitl.vessel.truth().hull, Duration::ZERO);

@@ -56,8 +56,9 @@ impl Autopilot {
         self.breadcrumbs.clear();
         if self.has_position() && !self.home_locked {
             self.set_home(self.position());
+        } else {
+            self.send_home();
         }
-        self.send_home();
         self.links.text(MAV_SEVERITY_INFO, "Throttle armed");
         true
     }
@@ -84,7 +85,8 @@ mod tests {
     fn too_early_it_says_why_and_force_overrides() {
         let settings = AutopilotSettings { start_up: StartUp::realistic(), ..Default::default() };
         let mut bench = Bench::new(settings);
-        for (at_s, reason) in [(1.0, "Gyros not healthy"), (6.0, "Accels inconsistent"), (18.0, "Gyros inc")] {
+        for (at_s, reason) in [(1.0, "Gyros not healthy"), (6.0, "Accels inconsistent"), (18.0, "Gyros inc")]
+        {
             bench.run_until(Duration::from_secs_f64(at_s));
             assert!(!bench.autopilot.arm(false));
             let sent = bench.run_loops(1);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use helmlink_wire::enums::{MAV_SEVERITY_WARNING, MAV_SEVERITY_CRITICAL};
+use helmlink_wire::enums::{MAV_SEVERITY_CRITICAL, MAV_SEVERITY_WARNING};
 
 use super::Autopilot;
 use super::modes::Mode;
@@ -66,15 +66,12 @@ impl Autopilot {
             Loss::Radio => self.parameters.int(FS_THR_ENABLE) > 0 && self.has_radio_loss(),
             Loss::GroundStation => {
                 let timeout_s = self.parameters.get(FS_GCS_TIMEOUT);
-                let silent_s =
-                    |heard: Duration| self.now.saturating_sub(heard).as_secs_f64() >= timeout_s;
+                let silent_s = |heard: Duration| self.now.saturating_sub(heard).as_secs_f64() >= timeout_s;
                 self.parameters.int(FS_GCS_ENABLE) > 0
                     && self.failsafe.ground_station_heard.is_some_and(silent_s)
             }
             Loss::Position => {
-                self.parameters.int(FS_EKF_ACTION) > 0
-                    && self.mode.is_autopilot()
-                    && !self.has_position()
+                self.parameters.int(FS_EKF_ACTION) > 0 && self.mode.is_autopilot() && !self.has_position()
             }
         }
     }
@@ -99,7 +96,9 @@ impl Autopilot {
         /// FS_THR_ENABLE and FS_GCS_ENABLE: keep on with a mission.
         const CONTINUE_MISSION: i32 = 2;
         self.links.text(MAV_SEVERITY_WARNING, text);
-        self.rc.clear();
+        if loss == Loss::GroundStation {
+            self.rc.clear();
+        }
         let goes_on = self.mode == Mode::Auto && self.parameters.int(enabled) == CONTINUE_MISSION;
         if goes_on || matches!(self.mode, Mode::Hold | Mode::Rtl) {
             return;

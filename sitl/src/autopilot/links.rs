@@ -1,12 +1,13 @@
 //! The autopilot's links: what waits to be read and written on each, and its message rates.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::time::Duration;
 
+use helmlink_wire::LinkId;
 use helmlink_wire::dialect::{CharArray, Message, STATUSTEXT_DATA};
 use helmlink_wire::encoder::Encoder;
 use helmlink_wire::frame::Identity;
-use helmlink_wire::framer::Framer;
-use helmlink_wire::LinkId;
+use helmlink_wire::framer::{Framer, IDLE_FLUSH};
 
 use super::parameters::Listing;
 use super::routes::Routes;
@@ -16,6 +17,8 @@ use super::streams::Streams;
 pub(super) const MAX_LINKS: usize = 64;
 /// Bytes taken in per link and loop; what exceeds it is lost, as in the buffer of a serial port.
 const MAX_WAITING_BYTES: usize = 1 << 20;
+/// Bytes that a chunk counts for on top of its own, so that many tiny datagrams are limited too.
+const CHUNK_OVERHEAD: usize = 64;
 /// Packets that wait to be taken by the link's owner; what exceeds it is lost.
 const MAX_PACKETS: usize = 512;
 /// Frames are gathered into packets of at most this many bytes: they fit an Ethernet frame as one datagram.
@@ -26,6 +29,8 @@ const PACKET_BYTES: usize = 1400;
 struct Link {
     waiting: VecDeque<Chunk>,
     waiting_bytes: usize,
+    /// When bytes last arrived that no flush has followed.
+    last_arrival: Option<Duration>,
     framer: Framer,
     encoder: Encoder,
     outbox: Outbox,
@@ -41,10 +46,10 @@ struct Outbox {
 
 /// Bytes as they arrived.
 #[derive(Debug)]
-struct Chunk {
-    bytes: Vec<u8>,
+pub(super) struct Chunk {
+    pub(super) bytes: Vec<u8>,
     /// Whether no frame goes on in the next chunk.
-    datagram: bool,
+    pub(super) datagram: bool,
 }
 
 /// All links of the autopilot, and who is reached over which.
@@ -82,23 +87,37 @@ impl Links {
 
     /// Takes in bytes; they are read at the next loop.
     pub(super) fn push(&mut self, link: LinkId, bytes: &[u8], datagram: bool) {
-        if let Some(link) = self.links.get_mut(&link) {
-            let room = MAX_WAITING_BYTES.saturating_sub(link.waiting_bytes);
-            let bytes = &bytes[..bytes.len().min(room)];
-            link.waiting_bytes += bytes.len();
-            link.waiting.push_back(Chunk { bytes: bytes.to_vec(), datagram });
+        let Some(link) = self.links.get_mut(&link) else { return };
+        let room = MAX_WAITING_BYTES.saturating_sub(link.waiting_bytes);
+        let bytes = &bytes[..bytes.len().min(room)];
+        if bytes.is_empty() {
+            return;
+        }
+        link.waiting_bytes += bytes.len();
+        match link.waiting.back_mut() {
+            Some(last) if !datagram && !last.datagram => last.bytes.extend_from_slice(bytes),
+            _ => {
+                link.waiting_bytes += CHUNK_OVERHEAD;
+                link.waiting.push_back(Chunk { bytes: bytes.to_vec(), datagram });
+            }
         }
     }
 
     /// Lends out the framer of a link with the bytes that have arrived, so that its frames can be handled
-    /// while the links are in use. Give it back with [`Links::give_back`].
-    pub(super) fn take_framer(&mut self, link: LinkId) -> Option<(Framer, Vec<(Vec<u8>, bool)>)> {
+    /// while the links are in use. Give it back with [`Links::give_back`]. After [`IDLE_FLUSH`] of silence
+    /// there is one empty datagram, which frees frames that a false start holds up.
+    pub(super) fn take_framer(&mut self, link: LinkId, now: Duration) -> Option<(Framer, VecDeque<Chunk>)> {
         let link = self.links.get_mut(&link)?;
-        if link.waiting.is_empty() {
+        let mut chunks = std::mem::take(&mut link.waiting);
+        if !chunks.is_empty() {
+            link.waiting_bytes = 0;
+            link.last_arrival = Some(now);
+        } else if link.last_arrival.is_some_and(|last| now.saturating_sub(last) >= IDLE_FLUSH) {
+            link.last_arrival = None;
+            chunks.push_back(Chunk { bytes: Vec::new(), datagram: true });
+        } else {
             return None;
         }
-        link.waiting_bytes = 0;
-        let chunks = link.waiting.drain(..).map(|chunk| (chunk.bytes, chunk.datagram)).collect();
         Some((std::mem::take(&mut link.framer), chunks))
     }
 
@@ -215,7 +234,12 @@ mod tests {
         }
         assert!(bytes <= MAX_PACKETS * PACKET_BYTES, "{bytes}");
         links.push(LinkId(1), &vec![0; 3 * MAX_WAITING_BYTES], false);
-        assert_eq!(links.links[&LinkId(1)].waiting_bytes, MAX_WAITING_BYTES);
+        assert!(links.links[&LinkId(1)].waiting_bytes <= MAX_WAITING_BYTES + CHUNK_OVERHEAD);
+        for _ in 0..100_000 {
+            links.push(LinkId(1), &[], true);
+            links.push(LinkId(1), &[0], true);
+        }
+        assert_eq!(links.links[&LinkId(1)].waiting.len(), 1);
     }
 
     #[test]
@@ -229,7 +253,22 @@ mod tests {
         links.down(LinkId(3));
         assert!(links.up(LinkId(1000)));
         links.push(LinkId(3), &[1, 2, 3], false);
-        assert!(links.take_framer(LinkId(3)).is_none());
+        assert!(links.take_framer(LinkId(3), Duration::ZERO).is_none());
+    }
+
+    #[test]
+    fn silence_frees_what_a_false_start_holds_up() {
+        let mut links = Links::new(OWN);
+        links.up(LinkId(1));
+        links.push(LinkId(1), &[0xFD, 200], false);
+        let start = Duration::from_secs(1);
+        let (framer, chunks) = links.take_framer(LinkId(1), start).unwrap();
+        assert_eq!(chunks.len(), 1);
+        links.give_back(LinkId(1), framer);
+        assert!(links.take_framer(LinkId(1), start + IDLE_FLUSH / 2).is_none());
+        let (_, chunks) = links.take_framer(LinkId(1), start + IDLE_FLUSH).unwrap();
+        assert!(chunks[0].datagram && chunks[0].bytes.is_empty());
+        assert!(links.take_framer(LinkId(1), start + IDLE_FLUSH * 2).is_none(), "once is enough");
     }
 
     #[test]

@@ -28,10 +28,8 @@ impl Autopilot {
             Message::PARAM_REQUEST_READ(data) => self.read_parameter(link, from, data),
             Message::PARAM_SET(data) => self.set_parameter(link, from, data),
             Message::REQUEST_DATA_STREAM(data) => self.take_stream_request(link, data),
-            Message::MISSION_SET_CURRENT(data) => {
-                if self.set_current_item(data.seq) {
-                    self.links.send(link, &self.mission_current(data.seq));
-                }
+            Message::MISSION_SET_CURRENT(data) if self.set_current_item(data.seq) => {
+                self.links.send(link, &self.mission_current(data.seq));
             }
             Message::RC_CHANNELS_OVERRIDE(data) if is_own_station => {
                 self.rc.take_override(data, self.now);
@@ -187,7 +185,9 @@ mod tests {
         let mut bench = Bench::ready();
         bench.send(LINK, GCS, &Message::LOG_REQUEST_LIST(LOG_REQUEST_LIST_DATA::DEFAULT));
         let sent = bench.run_loops(1);
-        assert!(sent[&LINK].iter().any(|each| matches!(each, Message::LOG_ENTRY(data) if data.num_logs == 0)));
+        assert!(
+            sent[&LINK].iter().any(|each| matches!(each, Message::LOG_ENTRY(data) if data.num_logs == 0))
+        );
     }
 
     proptest! {

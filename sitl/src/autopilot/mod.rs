@@ -3,7 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `links`, `routes` | the links, and who is reached over which |
-//! | `messages` | what is done with each message |
+//! | `reception`, `messages` | from bytes to frames, and what is done with each message |
 //! | `commands`, `parameters`, `missions`, `ftp` | the services |
 //! | `streams`, `telemetry` | what is sent when |
 //! | `modes`, `arming`, `failsafe` | what the boat may do |
@@ -31,6 +31,7 @@ mod navigation;
 mod outputs;
 mod parameters;
 mod rc;
+mod reception;
 mod routes;
 mod settings;
 mod steering;
@@ -38,6 +39,8 @@ mod streams;
 mod telemetry;
 #[cfg(test)]
 pub(crate) mod testing;
+#[cfg(test)]
+mod tests;
 mod tuning;
 
 use std::time::Duration;
@@ -46,9 +49,9 @@ use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
 use helmlink_mission::plan::Item;
 use helmlink_mission::protocol::MissionType;
 use helmlink_mission::protocol::server::{MissionServer, Settings as MissionSettings};
-use helmlink_wire::dialect::{Message, MessageData, RADIO_DATA, RADIO_STATUS_DATA, TIMESYNC_DATA};
+use helmlink_wire::dialect::{Message, TIMESYNC_DATA};
 use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
-use helmlink_wire::{Frame, Identity, LinkId};
+use helmlink_wire::{Identity, LinkId};
 
 pub use settings::{AutopilotSettings, StartUp};
 
@@ -60,12 +63,11 @@ use failsafe::Failsafe;
 use guided::Guided;
 use links::Links;
 use modes::{Mode, ModeState};
-use motion::Motion;
+use motion::{Demand, Drift, Motion};
 use navigation::Report;
 use outputs::{Outputs, function};
 use parameters::*;
 use rc::RcInput;
-use routes::Target;
 use steering::{Command, Steering};
 
 /// Period of the autopilot's loop.
@@ -75,6 +77,8 @@ const LOOP_S: f64 = 0.02;
 const TIMESYNC_PERIOD: Duration = Duration::from_secs(10);
 /// Period at which STAT_RUNTIME is told unasked.
 const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
+/// Time constant of the drift angle's filter, in time constants of the heading.
+const DRIFT_SHARE: f64 = 4.0;
 /// Current drawn at rest, and at full throttle on top, A.
 const CURRENT_A: (f64, f64) = (0.5, 20.0);
 
@@ -106,6 +110,7 @@ pub(crate) struct Autopilot {
     auto: Auto,
     breadcrumbs: Breadcrumbs,
     failsafe: Failsafe,
+    drift: Drift,
     steering: Steering,
     command: Command,
     outputs: Outputs,
@@ -117,11 +122,7 @@ pub(crate) struct Autopilot {
 
 impl Autopilot {
     /// A flight controller that has just been switched on, tuned to `hull`, with its local origin at `origin`.
-    pub(crate) fn new(
-        settings: AutopilotSettings,
-        hull: &Hull,
-        origin: Geodetic,
-    ) -> Result<Self, SitlError> {
+    pub(crate) fn new(settings: AutopilotSettings, hull: &Hull, origin: Geodetic) -> Result<Self, SitlError> {
         let twin = hull.has_twin_thrusters();
         let mut parameters = Parameters::new();
         tuning::apply(&crate::trial::run(hull), twin, &mut parameters);
@@ -162,6 +163,7 @@ impl Autopilot {
             auto: Auto::default(),
             breadcrumbs: Breadcrumbs::default(),
             failsafe: Failsafe::default(),
+            drift: Drift::default(),
             steering: Steering::default(),
             command: Command::default(),
             outputs: Outputs::default(),
@@ -207,8 +209,9 @@ impl Autopilot {
         self.poll_missions();
         self.rc.expire(now, &self.parameters);
         self.watch_failsafes();
+        self.drift.update(&self.motion(), DRIFT_SHARE / self.parameters.get(ATC_STR_ANG_P), LOOP_S);
         let demand = self.demand();
-        let demand = if self.armed || self.mode == Mode::Manual { demand } else { motion::Demand::NEUTRAL };
+        let demand = if self.armed || self.mode == Mode::Manual { demand } else { Demand::NEUTRAL };
         let motion = self.motion();
         self.command = self.steering.command(demand, &motion, &self.parameters, self.twin, LOOP_S);
         self.outputs.put(self.command, self.armed, &self.parameters, LOOP_S);
@@ -243,45 +246,6 @@ impl Autopilot {
     fn passes(&self, period: Duration) -> bool {
         let (now, period) = (self.since_boot().as_nanos(), period.as_nanos());
         now / period > now.saturating_sub(LOOP.as_nanos()) / period
-    }
-
-    /// Reads what has arrived on a link.
-    fn receive(&mut self, link: LinkId) {
-        let Some((mut framer, chunks)) = self.links.take_framer(link) else { return };
-        for (bytes, datagram) in chunks {
-            framer.push(&bytes);
-            if datagram {
-                framer.end_of_datagram();
-            }
-            while let Some(frame) = framer.next_any() {
-                self.take_frame(link, &frame);
-            }
-        }
-        self.links.give_back(link, framer);
-    }
-
-    /// Passes a frame on to where it is to go, and acts on it if it is for this autopilot.
-    fn take_frame(&mut self, link: LinkId, frame: &Frame) {
-        let (from, own) = (frame.identity(), self.links.own);
-        // Reports of the radio about itself concern its own link alone.
-        let is_local = matches!(frame.message_id(), RADIO_STATUS_DATA::ID | RADIO_DATA::ID);
-        if from == own || from.system == 0 || is_local {
-            return;
-        }
-        let message = if frame.is_verified() { frame.decode().ok() } else { None };
-        let target = message.as_ref().map_or(Target::EVERYONE, Target::of);
-        if message.is_some() {
-            self.links.routes.learn(from, link);
-        }
-        let verdict = self.links.routes.decide(own, from, target, link, &self.links.ids());
-        for to in verdict.onward {
-            self.links.forward(to, frame.bytes());
-        }
-        if let Some(message) = message
-            && verdict.here
-        {
-            self.on_message(link, from, &message);
-        }
     }
 
     /// What happens once in the course of starting.
@@ -346,7 +310,7 @@ impl Autopilot {
     }
 
     fn motion(&self) -> Motion {
-        Motion::new(&self.estimate)
+        Motion::new(&self.estimate, &self.drift)
     }
 
     /// The estimated position.
@@ -369,72 +333,4 @@ impl Autopilot {
 fn own_identity(parameters: &Parameters) -> Identity {
     let system = u8::try_from(parameters.int(SYSID_THISMAV)).unwrap_or(1);
     Identity { system, component: MAV_COMP_ID_AUTOPILOT1 }
-}
-
-#[cfg(test)]
-mod tests {
-    use helmlink_wire::dialect::{COMMAND_LONG_DATA, HEARTBEAT_DATA, STATUSTEXT_DATA};
-    use testing::{Bench, COMPANION, GCS, LINK, OTHER_LINK};
-
-    use super::*;
-
-    #[test]
-    fn heartbeats_go_out_once_a_second_on_every_link() {
-        let mut bench = Bench::ready();
-        let sent = bench.run_s(10.0);
-        for link in [LINK, OTHER_LINK] {
-            let beats = sent[&link].iter().filter(|each| matches!(each, Message::HEARTBEAT(_))).count();
-            assert_eq!(beats, 10);
-        }
-    }
-
-    #[test]
-    fn clients_hear_each_other_and_nothing_comes_back() {
-        let mut bench = Bench::ready();
-        bench.send(LINK, GCS, &Message::HEARTBEAT(HEARTBEAT_DATA { mavtype: 6, ..HEARTBEAT_DATA::DEFAULT }));
-        let companion = Message::STATUSTEXT(STATUSTEXT_DATA { severity: 4, ..STATUSTEXT_DATA::DEFAULT });
-        bench.send(OTHER_LINK, COMPANION, &companion);
-        let sent = bench.run_loops(1);
-        assert!(sent[&LINK].contains(&companion));
-        assert!(!sent[&OTHER_LINK].contains(&companion));
-        assert!(sent[&OTHER_LINK].iter().any(|each| matches!(each, Message::HEARTBEAT(data) if data.mavtype == 6)));
-        let command = Message::COMMAND_LONG(COMMAND_LONG_DATA {
-            command: 400,
-            target_system: 1,
-            target_component: COMPANION.component,
-            ..COMMAND_LONG_DATA::DEFAULT
-        });
-        bench.send(LINK, GCS, &command);
-        let sent = bench.run_loops(1);
-        assert!(sent[&OTHER_LINK].contains(&command), "passed on to the companion");
-        assert!(!sent[&LINK].iter().any(|each| matches!(each, Message::COMMAND_ACK(_))), "and not acted upon");
-    }
-
-    #[test]
-    fn a_link_that_is_gone_gets_nothing_and_returns_with_default_rates() {
-        let mut bench = Bench::ready();
-        bench.autopilot.links.streams(LINK).unwrap().set_group(0, 10);
-        assert!(bench.run_s(1.0)[&LINK].len() > 100);
-        bench.link_down(LINK);
-        assert!(bench.run_s(1.0)[&LINK].is_empty());
-        bench.link_up(LINK);
-        assert!(bench.run_s(1.0)[&LINK].len() < 50);
-    }
-
-    #[test]
-    fn the_system_id_changes_with_a_restart() {
-        let mut bench = Bench::ready();
-        bench.autopilot.parameters.put(SYSID_THISMAV, 7.0);
-        assert_eq!(bench.autopilot.links.own.system, 1);
-        bench.autopilot.reboot();
-        assert_eq!(bench.autopilot.links.own.system, 7);
-    }
-
-    #[test]
-    fn without_orders_the_boat_stays_disarmed_and_still() {
-        let mut bench = Bench::ready();
-        bench.run_s(30.0);
-        assert!(!bench.autopilot.armed);
-        assert!(bench.position().norm() < 0.01);
-    }
 }

@@ -90,10 +90,7 @@ impl Mode {
 
     /// Whether the autopilot navigates in it; such modes need a position.
     pub(super) fn is_autopilot(self) -> bool {
-        matches!(
-            self,
-            Self::Loiter | Self::Circle | Self::Auto | Self::Rtl | Self::SmartRtl | Self::Guided
-        )
+        matches!(self, Self::Loiter | Self::Circle | Self::Auto | Self::Rtl | Self::SmartRtl | Self::Guided)
     }
 
     /// Whether it needs the estimator's velocity at least.
@@ -205,9 +202,7 @@ impl Autopilot {
         let motion = self.motion();
         let sticks = self.rc.sticks(self.now, &self.parameters);
         let (demand, report) = match self.mode {
-            Mode::Manual => {
-                (Demand::Direct { steering: sticks.steering, throttle: sticks.throttle }, None)
-            }
+            Mode::Manual => (Demand::Direct { steering: sticks.steering, throttle: sticks.throttle }, None),
             Mode::Acro | Mode::Steering => {
                 let speed_mps = sticks.throttle * self.stick_speed_mps();
                 let rate_radps = sticks.steering * self.parameters.get(ACRO_TURN_RATE).to_radians();
@@ -222,12 +217,7 @@ impl Autopilot {
             Mode::Loiter => with_report(navigation::hold(self.mode_state.point, &motion, &self.parameters)),
             Mode::Circle => {
                 let clockwise = self.parameters.int(CIRC_DIR) == 0;
-                with_report(navigation::circle(
-                    self.mode_state.point,
-                    clockwise,
-                    &motion,
-                    &self.parameters,
-                ))
+                with_report(navigation::circle(self.mode_state.point, clockwise, &motion, &self.parameters))
             }
             Mode::Rtl | Mode::SmartRtl => with_report(self.go_home()),
             Mode::Guided => self.guided_demand(),
@@ -276,64 +266,4 @@ fn with_report((demand, report): (Demand, Report)) -> (Demand, Option<Report>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::autopilot::testing::Bench;
-
-    #[test]
-    fn numbers_and_modes_agree() {
-        for number in 0..40 {
-            match Mode::from_number(number) {
-                Ok(mode) => assert_eq!(mode.number(), number),
-                Err(refusal) => assert!(
-                    matches!(number, 6 | 7 | 8 | 16) == (refusal == ModeRefusal::NotNow),
-                    "{number}: {refusal}"
-                ),
-            }
-        }
-    }
-
-    #[test]
-    fn heartbeat_flags_are_the_measured_ones() {
-        assert_eq!(Mode::Manual.base_mode(), 65);
-        assert_eq!(Mode::Hold.base_mode(), 1);
-        for mode in [Mode::Guided, Mode::Auto, Mode::Rtl, Mode::Loiter, Mode::Circle] {
-            assert_eq!(mode.base_mode(), 9);
-        }
-    }
-
-    #[test]
-    fn auto_needs_a_mission_even_when_disarmed() {
-        let mut bench = Bench::ready();
-        assert_eq!(bench.autopilot.enter_mode(Mode::Auto), Err(ModeRefusal::NoMission));
-        assert_eq!(bench.autopilot.enter_mode(Mode::Guided), Ok(()));
-    }
-
-    #[test]
-    fn armed_without_a_position_only_simple_modes_are_open() {
-        let mut bench = Bench::ready();
-        bench.arm();
-        bench.vessel.set_gps(false);
-        bench.run_s(0.1);
-        assert_eq!(bench.autopilot.enter_mode(Mode::Guided), Err(ModeRefusal::NotNow));
-        assert_eq!(bench.autopilot.enter_mode(Mode::Acro), Err(ModeRefusal::NotNow));
-        assert_eq!(bench.autopilot.enter_mode(Mode::Hold), Ok(()));
-    }
-
-    #[test]
-    fn return_to_launch_comes_home_and_smart_return_retraces() {
-        for mode in [Mode::Rtl, Mode::SmartRtl] {
-            let mut bench = Bench::ready();
-            bench.arm();
-            bench.autopilot.enter_mode(Mode::Guided).unwrap();
-            bench.go_to(NorthEast::new(30.0, 0.0));
-            bench.run_s(40.0);
-            bench.go_to(NorthEast::new(30.0, 30.0));
-            bench.run_s(40.0);
-            assert!(bench.position().norm() > 30.0, "{:?}", bench.position());
-            bench.autopilot.enter_mode(mode).unwrap();
-            bench.run_s(90.0);
-            assert!(bench.position().norm() < 6.0, "{mode:?}: {:?}", bench.position());
-        }
-    }
-}
+mod tests;

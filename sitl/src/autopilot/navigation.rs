@@ -7,17 +7,19 @@ use helmlink_mission::angle::ssa;
 use helmlink_mission::geodesy::NorthEast;
 
 use super::motion::{Demand, Motion};
+use super::outputs::function;
 use super::parameters::*;
 use crate::physics::GRAVITY_MPS2;
 
-/// Share of the speed kept however much the heading is off, so that a rudder still turns the boat.
-const LEAST_TURNING_SHARE: f64 = 0.3;
+/// Share of the speed kept however much the heading is off: two thrusters turn best slowly, a rudder needs
+/// the stream of the propeller.
+const TURNING_SHARE_TWIN: f64 = 0.3;
+const TURNING_SHARE_RUDDER: f64 = 0.8;
 /// Share of the speed kept up to the last waypoint, so that it is reached.
 const CRAWL_SHARE: f64 = 0.15;
-/// Speed over ground below which the course is not taken for the heading's drift, m/s.
-const DRIFT_KNOWN_MPS: f64 = 0.3;
-/// Largest drift angle taken off, rad: beyond it the boat is not making way.
-const DRIFT_LIMIT_RAD: f64 = 0.7;
+
+/// Share of the allowed deceleration planned for: the rest makes up for the throttle's delay.
+const BRAKING_SHARE: f64 = 0.5;
 
 /// A straight piece of route.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +83,7 @@ pub(super) fn follow(
     let course_rad = ssa(line_rad - (right_m / parameters.get(WP_LOOKAHEAD)).atan());
     let mut wanted_mps = speed_mps;
     if stop_at_end {
-        let braking_mps = (2.0 * braking_mps2(parameters) * to_target.norm()).sqrt();
+        let braking_mps = (2.0 * BRAKING_SHARE * braking_mps2(parameters) * to_target.norm()).sqrt();
         wanted_mps = wanted_mps.min(braking_mps.max(CRAWL_SHARE * speed_mps));
     }
     let demand = steer_course(course_rad, wanted_mps, motion, parameters);
@@ -163,12 +165,7 @@ pub(super) fn circle(
 
 /// Turns the boat so that it moves in the direction `course_rad`.
 fn steer_course(course_rad: f64, speed_mps: f64, motion: &Motion, parameters: &Parameters) -> Demand {
-    let drift_rad = if motion.forward_mps() > DRIFT_KNOWN_MPS {
-        ssa(motion.velocity_mps.bearing_rad() - motion.heading_rad).clamp(-DRIFT_LIMIT_RAD, DRIFT_LIMIT_RAD)
-    } else {
-        0.0
-    };
-    steer_heading(course_rad - drift_rad, speed_mps, motion, parameters)
+    steer_heading(course_rad - motion.drift_rad, speed_mps, motion, parameters)
 }
 
 /// Turns the boat to a heading, slower the more it is off.
@@ -179,11 +176,11 @@ pub(super) fn steer_heading(
     parameters: &Parameters,
 ) -> Demand {
     let error_rad = ssa(heading_rad - motion.heading_rad);
-    let share = error_rad.cos().max(LEAST_TURNING_SHARE);
+    let least = if is_twin(parameters) { TURNING_SHARE_TWIN } else { TURNING_SHARE_RUDDER };
+    let share = error_rad.cos().max(least);
     let sideways_mps2 = parameters.get(ATC_TURN_MAX_G) * GRAVITY_MPS2;
     let limit_radps = sideways_mps2 / motion.speed_mps().max(0.1);
-    let turn_rate_radps =
-        (parameters.get(ATC_STR_ANG_P) * error_rad).clamp(-limit_radps, limit_radps);
+    let turn_rate_radps = (parameters.get(ATC_STR_ANG_P) * error_rad).clamp(-limit_radps, limit_radps);
     Demand::Drive { turn_rate_radps, speed_mps: speed_mps * share }
 }
 
@@ -202,6 +199,11 @@ pub(super) fn positive_or(value: f64, otherwise: f64) -> f64 {
     if value > 0.0 { value } else { otherwise }
 }
 
+/// Whether the outputs drive two thrusters.
+fn is_twin(parameters: &Parameters) -> bool {
+    parameters.int(servo(1, ServoField::Function)) == function::THROTTLE_LEFT
+}
+
 fn braking_mps2(parameters: &Parameters) -> f64 {
     parameters.get(ATC_DECEL_MAX).max(0.01)
 }
@@ -216,6 +218,7 @@ mod tests {
             velocity_mps: NorthEast::from_polar(speed_mps, heading_rad),
             heading_rad,
             turn_rate_radps: 0.0,
+            drift_rad: 0.0,
         }
     }
 
@@ -244,7 +247,7 @@ mod tests {
     fn drift_is_taken_off() {
         let parameters = Parameters::new();
         let crabbing =
-            Motion { velocity_mps: NorthEast::new(2.0, 0.0), ..at(10.0, 0.0, -0.3, 2.0) };
+            Motion { velocity_mps: NorthEast::new(2.0, 0.0), drift_rad: 0.3, ..at(10.0, 0.0, -0.3, 2.0) };
         let (demand, _) = follow(&north(100.0), 2.0, false, &crabbing, &parameters);
         assert!(turn(demand).abs() < 1e-9, "the boat already moves along the line");
     }

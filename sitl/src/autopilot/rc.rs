@@ -55,12 +55,7 @@ impl RcInput {
     }
 
     /// MANUAL_CONTROL: y steers, z drives, ±1000; 32767 leaves an axis as it is.
-    pub(super) fn take_manual(
-        &mut self,
-        data: &MANUAL_CONTROL_DATA,
-        now: Duration,
-        parameters: &Parameters,
-    ) {
+    pub(super) fn take_manual(&mut self, data: &MANUAL_CONTROL_DATA, now: Duration, parameters: &Parameters) {
         for (value, map) in [(data.y, RCMAP_ROLL), (data.z, RCMAP_THROTTLE)] {
             if value == i16::MAX {
                 continue;

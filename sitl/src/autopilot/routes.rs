@@ -96,8 +96,7 @@ impl Routes {
         if target.component == 0 {
             return Verdict { here: true, onward: reached(&|known| known.system == own.system) };
         }
-        let onward =
-            reached(&|known| known.system == own.system && known.component == target.component);
+        let onward = reached(&|known| known.system == own.system && known.component == target.component);
         Verdict { here: onward.is_empty(), onward }
     }
 }

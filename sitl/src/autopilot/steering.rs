@@ -11,6 +11,9 @@ const LEAST_SPEED_SHARE: f64 = 0.3;
 /// Way astern, as a share of the cruise speed, from which on a rudder works the other way round.
 const ASTERN_SHARE: f64 = 0.05;
 
+/// A boat brakes down to this share of ATC_STOP_SPEED, and again once it makes more than the whole of it.
+const LET_GO_SHARE: f64 = 0.3;
+
 /// Turn-rate and speed controller.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Steering {
@@ -59,7 +62,9 @@ impl Steering {
     }
 
     fn stop(&mut self, motion: &Motion, parameters: &Parameters, twin: bool, dt_s: f64) -> Command {
-        self.let_go |= motion.forward_mps().abs() <= parameters.get(ATC_STOP_SPEED);
+        let stop_mps = parameters.get(ATC_STOP_SPEED);
+        let limit_mps = if self.let_go { stop_mps } else { LET_GO_SHARE * stop_mps };
+        self.let_go = motion.forward_mps().abs() <= limit_mps;
         if self.let_go {
             *self = Self { let_go: true, ..Self::default() };
             return Command::default();
@@ -163,17 +168,22 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_brakes_and_then_lets_go_for_good() {
+    fn a_stop_brakes_lets_go_and_brakes_again() {
         let parameters = Parameters::new();
         let mut steering = Steering::default();
-        let mut throttle = 0.0;
-        for _ in 0..100 {
-            throttle = steering.command(Demand::Stop, &moving(2.0, 0.0), &parameters, false, DT_S).throttle;
-        }
-        assert!(throttle < 0.0, "brakes: {throttle}");
-        steering.command(Demand::Stop, &moving(0.05, 0.0), &parameters, false, DT_S);
-        let drifting = steering.command(Demand::Stop, &moving(0.5, 0.1), &parameters, false, DT_S);
-        assert_eq!(drifting, Command::default());
+        let mut throttle = |forward_mps: f64| {
+            let demand = Demand::Stop;
+            let mut last = 0.0;
+            for _ in 0..100 {
+                last = steering.command(demand, &moving(forward_mps, 0.0), &parameters, false, DT_S).throttle;
+            }
+            last
+        };
+        assert!(throttle(2.0) < 0.0);
+        assert_eq!(throttle(0.02), 0.0);
+        assert_eq!(throttle(0.08), 0.0, "still slow enough");
+        assert!(throttle(0.2) < 0.0);
+        assert!(throttle(-0.2) > 0.0);
     }
 
     proptest! {

@@ -141,29 +141,38 @@ impl Streams {
 
     /// The interval of a message; zero for never.
     pub(super) fn interval(&self, message_id: u32, parameters: &Parameters) -> Duration {
+        let group = MESSAGES.iter().find(|&&(id, _)| id == message_id).map(|&(_, group)| group);
+        self.interval_in(group.unwrap_or(Group::OnDemand), message_id, parameters)
+    }
+
+    fn interval_in(&self, group: Group, message_id: u32, parameters: &Parameters) -> Duration {
         if let Some(&asked) = self.asked.get(&message_id) {
             return asked;
         }
-        let group = MESSAGES.iter().find(|&&(id, _)| id == message_id).map(|&(_, group)| group);
-        if group == Some(Group::Heartbeat) {
+        if group == Group::Heartbeat {
             return Duration::from_secs(1);
         }
-        let rate_hz = group.and_then(Group::rate).map_or(0, |param| parameters.int(param));
+        let rate_hz = group.rate().map_or(0, |param| parameters.int(param));
         match u32::try_from(rate_hz) {
             Ok(rate) if rate > 0 => (Duration::from_secs(1) / rate).max(SHORTEST_INTERVAL),
             _ => Duration::ZERO,
         }
     }
 
-    /// The messages to send between the loop at `before` (excluded) and the one at `now`.
+    /// The messages to send between the loop at `before` (excluded) and the one at `now`, in order.
     pub(super) fn due(&self, before: Duration, now: Duration, parameters: &Parameters) -> Vec<u32> {
+        let (before_ns, now_ns) = (nanoseconds(before), nanoseconds(now));
         let is_due = |interval: Duration| {
-            let period = interval.as_nanos();
-            period > 0 && now.as_nanos() / period > before.as_nanos() / period
+            let period_ns = nanoseconds(interval);
+            period_ns > 0 && now_ns / period_ns > before_ns / period_ns
         };
-        let ids = MESSAGES.iter().map(|&(id, _)| id);
-        ids.filter(|&id| is_due(self.interval(id, parameters))).collect()
+        let due = |&&(id, group): &&(u32, Group)| is_due(self.interval_in(group, id, parameters));
+        MESSAGES.iter().filter(due).map(|&(id, _)| id).collect()
     }
+}
+
+fn nanoseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]
@@ -177,9 +186,7 @@ mod tests {
         let parameters = Parameters::new();
         let loops = seconds * 50;
         (1..=loops)
-            .filter(|&number| {
-                streams.due(LOOP * (number - 1), LOOP * number, &parameters).contains(&id)
-            })
+            .filter(|&number| streams.due(LOOP * (number - 1), LOOP * number, &parameters).contains(&id))
             .count()
     }
 
@@ -194,7 +201,8 @@ mod tests {
     #[test]
     fn rates_are_kept_exactly_and_capped() {
         let mut streams = Streams::default();
-        for (rate_hz, expected) in [(1, 10), (4, 40), (10, 100), (25, 250), (40, 400), (50, 400), (200, 400)] {
+        for (rate_hz, expected) in [(1, 10), (4, 40), (10, 100), (25, 250), (40, 400), (50, 400), (200, 400)]
+        {
             streams.set(ATTITUDE_DATA::ID, Some(Duration::from_secs(1) / rate_hz));
             assert_eq!(count(&streams, ATTITUDE_DATA::ID, 10), expected, "{rate_hz} Hz");
         }

@@ -9,7 +9,7 @@ use helmlink_wire::dialect::Message;
 use helmlink_wire::{Encoder, Framer, Identity, LinkId};
 
 use super::{AutopilotSettings, LOOP};
-use crate::physics::Hull;
+use crate::physics::{Hull, Sea};
 use crate::{Sitl, SitlSettings};
 
 pub(crate) const LINK: LinkId = LinkId(1);
@@ -43,11 +43,11 @@ impl DerefMut for Bench {
 impl Bench {
     /// A boat with twin thrusters that has just been switched on.
     pub(crate) fn new(autopilot: AutopilotSettings) -> Self {
-        Self::start("otter", autopilot)
+        Self::start("otter", Sea::default(), autopilot)
     }
 
-    fn start(hull: &str, autopilot: AutopilotSettings) -> Self {
-        let settings = SitlSettings { autopilot, ..SitlSettings::new(Hull::builtin(hull).unwrap()) };
+    fn start(hull: &str, sea: Sea, autopilot: AutopilotSettings) -> Self {
+        let settings = SitlSettings { sea, autopilot, ..SitlSettings::new(Hull::builtin(hull).unwrap()) };
         let mut sitl = Sitl::new(settings).unwrap();
         let mut framers = BTreeMap::new();
         for link in [LINK, OTHER_LINK] {
@@ -64,7 +64,12 @@ impl Bench {
 
     /// A boat with this hull, ready to be armed.
     pub(crate) fn with_hull(hull: &str) -> Self {
-        let mut bench = Self::start(hull, AutopilotSettings::default());
+        Self::at_sea(hull, Sea::default())
+    }
+
+    /// The same, on a sea that is not calm.
+    pub(crate) fn at_sea(hull: &str, sea: Sea) -> Self {
+        let mut bench = Self::start(hull, sea, AutopilotSettings::default());
         bench.run_s(3.0);
         bench
     }

@@ -17,8 +17,12 @@ const SPEED_SHARE: f64 = 0.4;
 const SPEED_TIME_LIMIT_S: f64 = 0.8;
 /// The heading is to be this much slower than the turn rate, and the track this much slower than the heading,
 /// so that the loops do not disturb each other.
-const HEADING_SEPARATION: f64 = 2.5;
-const TRACK_SEPARATION: f64 = 2.5;
+const HEADING_SEPARATION: f64 = 3.0;
+const TRACK_SEPARATION: f64 = 3.0;
+/// The shortest look-ahead, in lengths of the hull.
+const LOOKAHEAD_LENGTHS: f64 = 4.0;
+/// The throttle's slew rate follows no faster changes of speed, m/s².
+const ACCELERATION_LIMIT_MPS2: f64 = 2.0;
 /// Share of the full turn rate that is asked for at most.
 const TURN_RESERVE: f64 = 0.8;
 
@@ -27,13 +31,12 @@ pub(super) fn apply(trial: &Trial, twin: bool, parameters: &mut Parameters) {
     let speed_mps = trial.cruise_speed_mps;
     let length_m = trial.length_m;
     let turn_gain = trial.turn_gain_radps;
-    let turn_s = (TURN_SHARE * trial.turn_time_s)
-        .max(TURN_TIME_LIMIT_S)
-        .max(TURN_TIME_PER_LENGTH * length_m);
+    let turn_s = (TURN_SHARE * trial.turn_time_s).max(TURN_TIME_LIMIT_S).max(TURN_TIME_PER_LENGTH * length_m);
     let heading_s = HEADING_SEPARATION * turn_s;
     let track_m = TRACK_SEPARATION * heading_s * speed_mps;
     let speed_gain = speed_mps / trial.cruise_throttle;
     let speed_s = (SPEED_SHARE * trial.speed_time_s).max(SPEED_TIME_LIMIT_S);
+    let acceleration_mps2 = (speed_mps / trial.speed_time_s).min(ACCELERATION_LIMIT_MPS2);
     let full_turn_degps = turn_gain.to_degrees();
     let turning_radius_m = speed_mps / turn_gain;
 
@@ -50,9 +53,9 @@ pub(super) fn apply(trial: &Trial, twin: bool, parameters: &mut Parameters) {
         (ACRO_TURN_RATE, full_turn_degps.min(180.0)),
         (ATC_SPEED_P, trial.speed_time_s / (speed_gain * speed_s)),
         (ATC_SPEED_I, 1.0 / (speed_gain * speed_s)),
-        (ATC_ACCEL_MAX, speed_mps / trial.speed_time_s),
-        (ATC_DECEL_MAX, 0.5 * speed_mps / trial.speed_time_s),
-        (WP_LOOKAHEAD, track_m.max(2.0 * length_m)),
+        (ATC_ACCEL_MAX, acceleration_mps2),
+        (ATC_DECEL_MAX, 0.5 * acceleration_mps2),
+        (WP_LOOKAHEAD, track_m.max(LOOKAHEAD_LENGTHS * length_m)),
         (WP_RADIUS, (0.5 * heading_s * speed_mps).max(length_m).max(2.0)),
         (LOIT_RADIUS, length_m.max(2.0)),
         (CIRC_RADIUS, (3.0 * turning_radius_m).max(5.0 * length_m).max(20.0)),

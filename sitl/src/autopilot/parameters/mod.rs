@@ -139,8 +139,7 @@ impl Parameters {
 
     /// Sets a parameter on behalf of the autopilot, cut to its range.
     pub(super) fn put(&mut self, param: Param, value: f32) {
-        if let (Some(slot), Some(definition)) =
-            (self.values.get_mut(param.0), self.definitions.get(param.0))
+        if let (Some(slot), Some(definition)) = (self.values.get_mut(param.0), self.definitions.get(param.0))
             && value.is_finite()
         {
             *slot = definition.kind.cast(value.clamp(definition.range.0, definition.range.1));

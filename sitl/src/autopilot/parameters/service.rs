@@ -159,7 +159,10 @@ mod tests {
         let listed: Vec<u16> = first.iter().chain(&rest).map(|value| value.param_index).collect();
         let count = first[0].param_count;
         assert!(count > 80);
-        assert_eq!(listed.into_iter().filter(|&at| at != NO_INDEX).collect::<Vec<_>>(), (0..count).collect::<Vec<_>>());
+        assert_eq!(
+            listed.into_iter().filter(|&at| at != NO_INDEX).collect::<Vec<_>>(),
+            (0..count).collect::<Vec<_>>()
+        );
     }
 
     #[test]
