@@ -28,7 +28,8 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     })?;
     let settings = settings(args)?;
     let log = args.record.as_deref().map(LogFile::create).transpose()?;
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(drive(args, &url, settings, log))
 }
 
@@ -36,7 +37,10 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
 fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
     let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
     if !(RATES_HZ.0..=RATES_HZ.1).contains(&args.rate) {
-        return Err(Failure::usage(format!("--rate {}: choose {} to {} Hz", args.rate, RATES_HZ.0, RATES_HZ.1)));
+        return Err(Failure::usage(format!(
+            "--rate {}: choose {} to {} Hz",
+            args.rate, RATES_HZ.0, RATES_HZ.1
+        )));
     }
     let speed_range = 0.1..=boat.limits.speed_max_mps;
     if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
@@ -181,7 +185,9 @@ struct LogFile {
 impl LogFile {
     fn create(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(format!("helmlink-{}.tlog", unix_time_us() / 1_000_000));
-        let fault = |error: std::io::Error| Failure::usage(format!("--record: cannot write {}: {error}", path.display()));
+        let fault = |error: std::io::Error| {
+            Failure::usage(format!("--record: cannot write {}: {error}", path.display()))
+        };
         fs::create_dir_all(folder).map_err(fault)?;
         let file = File::create(&path).map_err(fault)?;
         Ok(Self { path, file })

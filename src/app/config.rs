@@ -28,11 +28,16 @@ const NOT_IN_A_FILE: [&str; 4] = ["config", "dry_run", "help", "version"];
 ///
 /// # Errors
 /// The file cannot be read or is no TOML; a table or key that helmlink does not know, with its line.
-pub(super) fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatches) -> Result<Vec<OsString>, Failure> {
+pub(super) fn merge(
+    arguments: &[OsString],
+    command: &Command,
+    matches: &ArgMatches,
+) -> Result<Vec<OsString>, Failure> {
     let Some((name, given)) = innermost(matches) else { return Ok(arguments.to_vec()) };
     let Some(path) = given.get_one::<std::path::PathBuf>("config") else { return Ok(arguments.to_vec()) };
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::usage(format!("cannot read the configuration {}: {error}", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        Failure::usage(format!("cannot read the configuration {}: {error}", path.display()))
+    })?;
     let file = File { path, text: &text };
     let document = DeTable::parse(&text).map_err(|error| {
         file.error(error.span().unwrap_or(0..0), &format!("is not TOML: {}", error.message()))
@@ -40,7 +45,9 @@ pub(super) fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatc
     let mut merged = arguments.to_vec();
     for (key, value) in document.get_ref() {
         let Some(subcommand) = find(command, key.get_ref()) else {
-            return Err(file.error(key.span(), &format!("`{}` is not a subcommand of helmlink", key.get_ref())));
+            return Err(
+                file.error(key.span(), &format!("`{}` is not a subcommand of helmlink", key.get_ref()))
+            );
         };
         let DeValue::Table(table) = value.get_ref() else {
             return Err(file.error(key.span(), &format!("`{}` must be a table: [{0}]", key.get_ref())));
@@ -48,7 +55,8 @@ pub(super) fn merge(arguments: &[OsString], command: &Command, matches: &ArgMatc
         let mut options = Vec::new();
         for (key, value) in table {
             let Some(argument) = known_option(subcommand, key.get_ref()) else {
-                let text = format!("`{}` is not an option of `helmlink {}`", key.get_ref(), subcommand.get_name());
+                let text =
+                    format!("`{}` is not an option of `helmlink {}`", key.get_ref(), subcommand.get_name());
                 return Err(file.error(key.span(), &text));
             };
             let is_mine = subcommand.get_name() == name;
@@ -84,7 +92,8 @@ pub(super) fn describe(on_command_line: &ArgMatches, merged: &ArgMatches) -> Str
             (Some(ValueSource::EnvVariable), _) => "environment",
             _ => "configuration file",
         };
-        let _ = writeln!(text, "{:<20} = {:<40} # {source}", id.as_str().replace('_', "-"), values.join(", "));
+        let _ =
+            writeln!(text, "{:<20} = {:<40} # {source}", id.as_str().replace('_', "-"), values.join(", "));
     }
     text
 }

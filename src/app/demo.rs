@@ -41,7 +41,8 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let boat = Boat::embedded(&world.hull.name).map_err(Failure::usage)?;
     check_speed(args.speed, &boat)?;
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(Demo::start(args, world, drivable, boat))
 }
 
@@ -101,12 +102,16 @@ impl Demo {
                 return Err(Failure::failed(failure));
             }
             if !self.station.party.is_watching() && self.station.now() > PREPARATION {
-                return Err(Failure::failed("the boat was not ready in time: see the messages above (-v shows more)"));
+                return Err(Failure::failed(
+                    "the boat was not ready in time: see the messages above (-v shows more)",
+                ));
             }
             match self.bridge.party.status().state {
                 State::Finished => return Ok(()),
                 State::Ready if self.was_driving() => {
-                    return Err(Failure::failed("somebody else took over the boat: the demonstration is over"));
+                    return Err(Failure::failed(
+                        "somebody else took over the boat: the demonstration is over",
+                    ));
                 }
                 _ => {}
             }
@@ -158,7 +163,8 @@ impl Demo {
             commands,
             complaint: None,
         };
-        let subject = Subject { mission: drivable.name, world, controller: "pi-smc", output: output_name(args.output) };
+        let subject =
+            Subject { mission: drivable.name, world, controller: "pi-smc", output: output_name(args.output) };
         let result = RunResult::new(&subject, outcome, self.boat.now().as_secs_f64());
         result::write_report(&args.report, &result, world, self.recorder, &self.log)?;
         if args.common.json {
@@ -166,7 +172,11 @@ impl Demo {
             console::say(&serde_json::json!({ "result": result, "picture": picture }).to_string());
         } else {
             let folder = args.report.display();
-            console::say(&format!("{}\n\nThe picture is {folder}/{}, the log {folder}/log.tlog.", result.text(), result::PICTURE));
+            console::say(&format!(
+                "{}\n\nThe picture is {folder}/{}, the log {folder}/log.tlog.",
+                result.text(),
+                result::PICTURE
+            ));
         }
         Ok(())
     }
@@ -183,9 +193,9 @@ async fn listen(args: &DemoArgs, sitl: Sitl) -> Result<(Edge<PacedSitl>, String)
             hub.open(&any).await.map_err(Failure::failed)?
         }
     };
-    let address = hub
-        .local_address(endpoint)
-        .ok_or_else(|| Failure::usage("--listen must be an address to listen on, such as tcpin:127.0.0.1:5760"))?;
+    let address = hub.local_address(endpoint).ok_or_else(|| {
+        Failure::usage("--listen must be an address to listen on, such as tcpin:127.0.0.1:5760")
+    })?;
     let edge = Edge::new(PacedSitl::new(sitl, args.speedup), hub, paced_sitl::tick(args.speedup));
     Ok((edge, address.to_string()))
 }
@@ -198,7 +208,9 @@ async fn connect<P: super::edge::Party>(party: P, address: &str) -> Result<Edge<
 }
 
 fn progress_text(status: &Status, speedup: f64) -> String {
-    let (State::Engaged, Some(progress)) = (status.state, status.progress) else { return status.state.to_string() };
+    let (State::Engaged, Some(progress)) = (status.state, status.progress) else {
+        return status.state.to_string();
+    };
     let left_s = progress.to_go_m / progress.wanted_speed_mps.max(0.1) / speedup;
     format!(
         "waypoint {}/{}   cross-track {:+.2} m   speed {:.2} m/s   {:.0} m to go   {:.0} s left",

@@ -199,7 +199,9 @@ impl Party for GroundStation {
 
     fn on_bytes(&mut self, now: Duration, _link: LinkId, bytes: &[u8], _is_datagram: bool) {
         self.framer.push(bytes);
-        while let Some((from, message)) = self.framer.next_frame().map(|frame| (frame.identity(), frame.decode())) {
+        while let Some((from, message)) =
+            self.framer.next_frame().map(|frame| (frame.identity(), frame.decode()))
+        {
             if let Ok(message) = message {
                 self.on_message(now, from, &message);
             }

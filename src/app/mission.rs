@@ -23,7 +23,9 @@ pub(super) struct Drivable {
 /// The file cannot be read, or the mission cannot be driven: where, and what to do.
 pub(super) fn load(path: &Path) -> Result<Drivable, Failure> {
     let mission = plan::read(path).map_err(Failure::usage)?;
-    let name = path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+    let name = path
+        .file_stem()
+        .map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned());
     checked(name, mission)
 }
 
@@ -53,7 +55,9 @@ pub(super) fn check(args: &MissionFileArgs) -> Result<(), Failure> {
     let drivable = load(&args.mission)?;
     let waypoints = &drivable.route.waypoints;
     let length_m: f64 = waypoints.windows(2).map(|leg| leg[0].position.distance_m(leg[1].position)).sum();
-    let first = waypoints.first().map_or([0.0; 2], |point| [point.position.latitude_deg, point.position.longitude_deg]);
+    let first = waypoints
+        .first()
+        .map_or([0.0; 2], |point| [point.position.latitude_deg, point.position.longitude_deg]);
     let report = Report {
         mission: drivable.name,
         items: drivable.mission.items.len(),

@@ -96,7 +96,10 @@ impl RunResult {
             rows.push(("cross-track, straight".to_owned(), spread(&score.cross_track_straight_m)));
             rows.push(("cross-track, settled".to_owned(), spread(&score.cross_track_settled_m)));
             rows.push(("off the smooth path".to_owned(), spread(&score.path_error_m)));
-            rows.push(("steering variation".to_owned(), format!("{:.2} per minute", score.steering_variation_per_min)));
+            rows.push((
+                "steering variation".to_owned(),
+                format!("{:.2} per minute", score.steering_variation_per_min),
+            ));
         }
         rows.push(("speed of simulation".to_owned(), format!("{:.0} × real time", self.realtime_factor)));
         rows
@@ -127,7 +130,10 @@ pub(super) fn write_report(
 ) -> Result<(), Failure> {
     let at = |name: &str| folder.join(name);
     let fault = |path: &Path, error: std::io::Error| {
-        Failure::failed(format!("cannot write {}: {error}; choose another folder with --report", path.display()))
+        Failure::failed(format!(
+            "cannot write {}: {error}; choose another folder with --report",
+            path.display()
+        ))
     };
     fs::create_dir_all(folder).map_err(|error| fault(folder, error))?;
     let run = picture(result, world, recorder);

@@ -35,7 +35,8 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     if let Some(mission) = &mission {
         load(&mut sitl, mission)?;
     }
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(serve(args, sitl))
 }
 
@@ -73,13 +74,15 @@ pub(super) fn build(
 
 /// Puts a mission on board, as if it had been uploaded.
 pub(super) fn load(sitl: &mut Sitl, mission: &Mission) -> Result<(), Failure> {
-    sitl.set_mission(&mission.items)
-        .map_err(|most| Failure::usage(format!("the mission is too long: the boat stores {most} items, home included")))
+    sitl.set_mission(&mission.items).map_err(|most| {
+        Failure::usage(format!("the mission is too long: the boat stores {most} items, home included"))
+    })
 }
 
 /// Where the boat starts: where the user says, at the mission's home, at its first waypoint, or in a default harbour.
 pub(super) fn home(world: &World, mission: Option<&Mission>) -> Geodetic {
-    let of_mission = |mission: &Mission| mission.home.or_else(|| mission.items.iter().find_map(|item| item.position()));
+    let of_mission =
+        |mission: &Mission| mission.home.or_else(|| mission.items.iter().find_map(|item| item.position()));
     world.home.map(|(home, _)| home).or_else(|| mission.and_then(of_mission)).unwrap_or(DEFAULT_HOME)
 }
 
@@ -116,7 +119,11 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
         }
         let (now, lost) = (edge.now(), edge.party.lost());
         if lost > complained.1 && now > complained.0 + COMPLAINT_INTERVAL {
-            tracing::warn!("this machine is too slow for --speedup {}: {:.1} s left out so far", args.speedup, lost.as_secs_f64());
+            tracing::warn!(
+                "this machine is too slow for --speedup {}: {:.1} s left out so far",
+                args.speedup,
+                lost.as_secs_f64()
+            );
             complained = (now, lost);
         }
     }

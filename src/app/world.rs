@@ -52,7 +52,9 @@ impl World {
 /// `LAT,LON` or `LAT,LON,HEADING` in degrees.
 fn parse_home(text: &str) -> Result<(Geodetic, Option<f64>), Failure> {
     let fault = |why: &str| {
-        Failure::usage(format!("--home {text}: {why}; give degrees as LAT,LON or LAT,LON,HEADING, such as 63.4389,10.399,90"))
+        Failure::usage(format!(
+            "--home {text}: {why}; give degrees as LAT,LON or LAT,LON,HEADING, such as 63.4389,10.399,90"
+        ))
     };
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.map_err(|_| fault("not numbers"))?.as_slice() {

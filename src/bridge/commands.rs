@@ -29,12 +29,20 @@ impl Command {
     /// The command in a message, if there is one and it is addressed to `own`.
     pub(super) fn from_message(message: &Message, own: Identity) -> Option<Self> {
         let (system, component, number, param1) = match message {
-            Message::COMMAND_LONG(COMMAND_LONG_DATA { target_system, target_component, command, param1, .. }) => {
-                (*target_system, *target_component, *command, *param1)
-            }
-            Message::COMMAND_INT(COMMAND_INT_DATA { target_system, target_component, command, param1, .. }) => {
-                (*target_system, *target_component, *command, *param1)
-            }
+            Message::COMMAND_LONG(COMMAND_LONG_DATA {
+                target_system,
+                target_component,
+                command,
+                param1,
+                ..
+            }) => (*target_system, *target_component, *command, *param1),
+            Message::COMMAND_INT(COMMAND_INT_DATA {
+                target_system,
+                target_component,
+                command,
+                param1,
+                ..
+            }) => (*target_system, *target_component, *command, *param1),
             _ => return None,
         };
         // Commands to "all components" are the flight controller's to answer.
@@ -76,8 +84,13 @@ mod tests {
 
     fn order(command: u16, param1: f32) -> Order {
         let (target_system, target_component) = (OWN.system, OWN.component);
-        let data =
-            COMMAND_LONG_DATA { target_system, target_component, command, param1, ..COMMAND_LONG_DATA::DEFAULT };
+        let data = COMMAND_LONG_DATA {
+            target_system,
+            target_component,
+            command,
+            param1,
+            ..COMMAND_LONG_DATA::DEFAULT
+        };
         Command::from_message(&Message::COMMAND_LONG(data), OWN).unwrap().order()
     }
 

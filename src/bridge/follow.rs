@@ -97,7 +97,8 @@ mod tests {
     fn does_not_ask_for_ever() {
         let mut current = CurrentItem::default();
         current.set(2);
-        let sent = (0..100).filter(|&second| current.poll(Duration::from_secs(second), VEHICLE).is_some()).count();
+        let sent =
+            (0..100).filter(|&second| current.poll(Duration::from_secs(second), VEHICLE).is_some()).count();
         assert_eq!(sent, ATTEMPTS as usize);
     }
 }

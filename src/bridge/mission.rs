@@ -131,7 +131,9 @@ impl MissionKeeper {
 
 /// The same items, bit for bit: parameters that are not numbers are as good as any.
 fn is_same(one: &Mission, other: &Mission) -> bool {
-    let fixed = |item: &Item| (item.command, item.frame, item.x, item.y, item.z.to_bits(), item.params.map(f32::to_bits));
+    let fixed = |item: &Item| {
+        (item.command, item.frame, item.x, item.y, item.z.to_bits(), item.params.map(f32::to_bits))
+    };
     one.items.len() == other.items.len()
         && one.items.iter().zip(&other.items).all(|(one, other)| fixed(one) == fixed(other))
 }

@@ -355,7 +355,8 @@ impl Bridge {
     /// Commands and requests to the bridge itself, from anybody.
     fn on_order(&mut self, link: LinkId, from: Identity, vehicle: Vehicle, message: &Message) {
         let own = self.own(vehicle.id);
-        if let Message::MISSION_SET_CURRENT(MISSION_SET_CURRENT_DATA { seq, target_system, target_component }) = message
+        if let Message::MISSION_SET_CURRENT(MISSION_SET_CURRENT_DATA { seq, target_system, target_component }) =
+            message
             && (*target_system, *target_component) == (own.system, own.component)
         {
             self.jump_to_item(*seq);
@@ -397,15 +398,22 @@ impl Bridge {
     /// Goes on with the first waypoint that belongs to this mission item or a later one.
     fn jump_to_item(&mut self, item: u16) -> bool {
         let Some(run) = &mut self.run else { return false };
-        let Some(index) = run.route().waypoints.iter().position(|waypoint| waypoint.item >= item) else { return false };
+        let Some(index) = run.route().waypoints.iter().position(|waypoint| waypoint.item >= item) else {
+            return false;
+        };
         run.jump_to(index);
-        self.event(enums::MAV_SEVERITY_INFO, format!("going on with item {item}, as the ground station asked"));
+        self.event(
+            enums::MAV_SEVERITY_INFO,
+            format!("going on with item {item}, as the ground station asked"),
+        );
         true
     }
 
     fn on_ack(&mut self, own: Identity, data: &COMMAND_ACK_DATA) {
-        let is_ours = data.target_system == 0 || (data.target_system, data.target_component) == (own.system, own.component);
-        let refused = data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
+        let is_ours = data.target_system == 0
+            || (data.target_system, data.target_component) == (own.system, own.component);
+        let refused =
+            data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
         if is_ours && refused {
             let text = format!("command {} refused with MAV_RESULT {}", data.command, data.result);
             self.event(enums::MAV_SEVERITY_DEBUG, text);
@@ -457,7 +465,9 @@ impl Bridge {
         let own_system = f64::from(self.settings.ground_station_system);
         let problem = match (configured, self.parameters.value("SYSID_MYGCS")) {
             (Err(problem), _) => Some(problem),
-            (Ok(()), Some(system)) if self.settings.output.needs_ground_station_id() && system != own_system => {
+            (Ok(()), Some(system))
+                if self.settings.output.needs_ground_station_id() && system != own_system =>
+            {
                 Some(format!(
                     "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
                      {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
@@ -485,7 +495,8 @@ impl Bridge {
                     .speed_mps
                     .or_else(|| output::full_speed_mps(&self.parameters))
                     .unwrap_or(self.settings.boat.limits.cruise_mps);
-                self.run = Some(MissionRun::new(route, self.settings.boat.clone(), RunSettings { speed_mps }));
+                self.run =
+                    Some(MissionRun::new(route, self.settings.boat.clone(), RunSettings { speed_mps }));
                 self.event(enums::MAV_SEVERITY_INFO, text);
             }
             Some(News::Unusable(text)) => {

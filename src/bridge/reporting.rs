@@ -81,7 +81,8 @@ impl Bridge {
     }
 
     pub(super) fn on_waypoint_reached(&mut self, index: usize) {
-        let Some(item) = self.run.as_ref().and_then(|run| run.route().waypoints.get(index)).map(|point| point.item)
+        let Some(item) =
+            self.run.as_ref().and_then(|run| run.route().waypoints.get(index)).map(|point| point.item)
         else {
             return;
         };
@@ -95,9 +96,13 @@ impl Bridge {
         if event.severity > enums::MAV_SEVERITY_INFO || self.vehicle.is_none() {
             return;
         }
-        let text: String = format!("Helmlink: {}", event.text).chars().filter(char::is_ascii).take(TEXT_LENGTH).collect();
-        let data =
-            STATUSTEXT_DATA { severity: event.severity, text: CharArray::from(text.as_str()), ..STATUSTEXT_DATA::DEFAULT };
+        let text: String =
+            format!("Helmlink: {}", event.text).chars().filter(char::is_ascii).take(TEXT_LENGTH).collect();
+        let data = STATUSTEXT_DATA {
+            severity: event.severity,
+            text: CharArray::from(text.as_str()),
+            ..STATUSTEXT_DATA::DEFAULT
+        };
         self.tell(&Message::STATUSTEXT(data));
     }
 

@@ -61,7 +61,9 @@ impl Bridge {
         let severity = match transition.to {
             State::Waiting(_) if transition.from == State::Engaged => enums::MAV_SEVERITY_CRITICAL,
             State::HandingBack if transition.reason == Reason::MissionComplete => enums::MAV_SEVERITY_INFO,
-            State::HandingBack | State::Ready if transition.from == State::Engaged => enums::MAV_SEVERITY_WARNING,
+            State::HandingBack | State::Ready if transition.from == State::Engaged => {
+                enums::MAV_SEVERITY_WARNING
+            }
             _ => enums::MAV_SEVERITY_INFO,
         };
         let text = match transition.reason {

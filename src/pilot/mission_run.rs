@@ -106,7 +106,8 @@ impl MissionRun {
     pub fn new(route: Route, boat: Boat, settings: RunSettings) -> Self {
         let origin = route.waypoints.first().map_or_else(|| Geodetic::new(0.0, 0.0), |first| first.position);
         let frame = LocalFrame::new(origin);
-        let waypoints: Vec<NorthEast> = route.waypoints.iter().map(|point| frame.to_local(point.position)).collect();
+        let waypoints: Vec<NorthEast> =
+            route.waypoints.iter().map(|point| frame.to_local(point.position)).collect();
         let progress = Progress {
             next: 0,
             total: waypoints.len(),
@@ -199,7 +200,8 @@ impl MissionRun {
         if matches!(self.phase, Phase::ToStart) {
             self.start_stretch(state)?;
         }
-        let mut step = Step { demand: Demand::NEUTRAL, reached: (before, before), diagnostics: Diagnostics::default() };
+        let mut step =
+            Step { demand: Demand::NEUTRAL, reached: (before, before), diagnostics: Diagnostics::default() };
         match &mut self.phase {
             Phase::Driving(_) => self.drive(dt_s, state, &mut step)?,
             Phase::Waiting(left_s) => {

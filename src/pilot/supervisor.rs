@@ -261,7 +261,12 @@ impl Supervisor {
     ///
     /// # Errors
     /// Why not, in words for the user.
-    pub fn request(&mut self, now_s: f64, request: Request, conditions: &Conditions) -> Result<(), &'static str> {
+    pub fn request(
+        &mut self,
+        now_s: f64,
+        request: Request,
+        conditions: &Conditions,
+    ) -> Result<(), &'static str> {
         match request {
             Request::Engage { patient } => {
                 let may_start = matches!(self.state, State::Ready | State::Holding | State::Finished);
@@ -270,7 +275,9 @@ impl Supervisor {
                     State::Stopped => Some("the bridge has been stopped"),
                     State::HandingBack => Some("the bridge is just letting go: try again in a moment"),
                     _ if !may_start => Some("not ready: a vehicle, its mission or its position is missing"),
-                    _ if !conditions.armed && !self.policy.may_arm => Some("the boat is not armed: arm it first"),
+                    _ if !conditions.armed && !self.policy.may_arm => {
+                        Some("the boat is not armed: arm it first")
+                    }
                     _ => None,
                 };
                 match refusal {
@@ -481,7 +488,9 @@ impl fmt::Display for Reason {
             Self::HeadingLost(age_s) => write!(f, "no heading for {age_s:.1} s"),
             Self::EstimatorFailed => f.write_str("the flight controller's position estimate failed"),
             Self::ModeRefused(mode) => write!(f, "the flight controller did not change to {mode}"),
-            Self::ArmingRefused => f.write_str("the motors were not armed: see the flight controller's messages"),
+            Self::ArmingRefused => {
+                f.write_str("the motors were not armed: see the flight controller's messages")
+            }
             Self::MissionComplete => f.write_str("the last waypoint was reached"),
             Self::Paused => f.write_str("asked to pause"),
             Self::StopRequested => f.write_str("asked to stop"),

@@ -169,8 +169,8 @@ fn a_chosen_mode_engages_only_when_it_is_chosen() {
 fn transitions_are_reported_in_order() {
     let mut supervisor = engaged(GUIDED_BY_PILOT);
     supervisor.update(1.0, &Conditions { mode: Some(Mode::AUTO), ..good() });
-    let reasons: Vec<Reason> = std::iter::from_fn(|| supervisor.poll_transition()).map(|t| t.reason).collect();
-    let expected =
-        [Reason::AllThere, Reason::ToldTo, Reason::InControl, Reason::PilotTookOver(Mode::AUTO)];
+    let reasons: Vec<Reason> =
+        std::iter::from_fn(|| supervisor.poll_transition()).map(|t| t.reason).collect();
+    let expected = [Reason::AllThere, Reason::ToldTo, Reason::InControl, Reason::PilotTookOver(Mode::AUTO)];
     assert_eq!(reasons, expected);
 }

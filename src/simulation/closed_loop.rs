@@ -53,7 +53,14 @@ impl ClosedLoop {
     pub fn new(mut sitl: Sitl, mut bridge: Bridge, home: Geodetic) -> Self {
         sitl.link_up(LINK);
         bridge.link_up(Duration::ZERO, LINK);
-        Self { sitl, bridge, recorder: RunRecorder::new(home), now: Duration::ZERO, loops: 0, last_problem: None }
+        Self {
+            sitl,
+            bridge,
+            recorder: RunRecorder::new(home),
+            now: Duration::ZERO,
+            loops: 0,
+            last_problem: None,
+        }
     }
 
     /// Runs until the mission is complete, the bridge gives up, or `limit` of simulated time has passed.

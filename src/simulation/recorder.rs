@@ -90,7 +90,8 @@ impl RunRecorder {
         if let Some(path) = run.path().filter(|_| run.stretches() > self.stretches) {
             self.stretches = run.stretches();
             let count = (path.length_m() / PATH_SPACING_M).ceil().max(1.0);
-            let points = (0..=count as usize).map(|index| path.point(path.length_m() * index as f64 / count).position);
+            let points =
+                (0..=count as usize).map(|index| path.point(path.length_m() * index as f64 / count).position);
             self.path.extend(points);
         }
     }

@@ -48,8 +48,9 @@ impl Cadence {
     fn step_with_both(&mut self, boot_s: f64) -> bool {
         self.attitude_is_new = false;
         self.position_is_new = false;
-        let crowded =
-            self.last_step_s.is_some_and(|last_s| (0.0..CROWDED * self.interval_s).contains(&(boot_s - last_s)));
+        let crowded = self
+            .last_step_s
+            .is_some_and(|last_s| (0.0..CROWDED * self.interval_s).contains(&(boot_s - last_s)));
         if !crowded {
             self.last_step_s = Some(boot_s);
         }

@@ -75,7 +75,9 @@ impl Demand {
 
     /// Every value is a number.
     fn is_finite(&self) -> bool {
-        [self.throttle, self.steering, self.speed_mps, self.yaw_rate_radps].iter().all(|value| value.is_finite())
+        [self.throttle, self.steering, self.speed_mps, self.yaw_rate_radps]
+            .iter()
+            .all(|value| value.is_finite())
     }
 }
 
@@ -155,11 +157,21 @@ impl Output {
         for (map, expected) in [("RCMAP_ROLL", 1.0), ("RCMAP_THROTTLE", 3.0)] {
             let mapped = parameters.value(map).unwrap_or(expected);
             if mapped != expected && self.kind == OutputKind::RcOverride {
-                return Err(format!("{map} is {mapped}: helmlink needs {expected}; set it, or use --output guided"));
+                return Err(format!(
+                    "{map} is {mapped}: helmlink needs {expected}; set it, or use --output guided"
+                ));
             }
         }
-        calibrate(&mut self.steering, parameters, ["RC1_MIN", "RC1_TRIM", "RC1_MAX", "RC1_DZ", "RC1_REVERSED"]);
-        calibrate(&mut self.throttle, parameters, ["RC3_MIN", "RC3_TRIM", "RC3_MAX", "RC3_DZ", "RC3_REVERSED"]);
+        calibrate(
+            &mut self.steering,
+            parameters,
+            ["RC1_MIN", "RC1_TRIM", "RC1_MAX", "RC1_DZ", "RC1_REVERSED"],
+        );
+        calibrate(
+            &mut self.throttle,
+            parameters,
+            ["RC3_MIN", "RC3_TRIM", "RC3_MAX", "RC3_DZ", "RC3_REVERSED"],
+        );
         if let Some(speed_mps) = full_speed_mps(parameters) {
             self.full_speed_mps = speed_mps;
         }
@@ -198,7 +210,8 @@ impl Output {
         for (channel, pulse) in [(self.steering, steering_us), (self.throttle, throttle_us)] {
             channels[channel.number - 1] = pulse;
         }
-        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] = channels;
+        let [chan1_raw, chan2_raw, chan3_raw, chan4_raw, chan5_raw, chan6_raw, chan7_raw, chan8_raw] =
+            channels;
         Message::RC_CHANNELS_OVERRIDE(RC_CHANNELS_OVERRIDE_DATA {
             target_system: vehicle.system,
             target_component: vehicle.component,
@@ -239,7 +252,10 @@ impl Output {
 
 /// The speed that the firmware takes thrust 1 for: WP_SPEED, or CRUISE_SPEED where that is zero.
 pub fn full_speed_mps(parameters: &ParameterReader) -> Option<f64> {
-    [parameters.value("WP_SPEED"), parameters.value("CRUISE_SPEED")].into_iter().flatten().find(|&speed| speed > 0.0)
+    [parameters.value("WP_SPEED"), parameters.value("CRUISE_SPEED")]
+        .into_iter()
+        .flatten()
+        .find(|&speed| speed > 0.0)
 }
 
 fn calibrate(channel: &mut Channel, parameters: &ParameterReader, names: [&str; 5]) {
@@ -312,7 +328,8 @@ mod tests {
     fn firmware_reads(pulse: u16, channel: &Channel) -> f64 {
         let offset = f64::from(pulse) - channel.trim_us;
         let past = offset.abs() - channel.dead_zone_us;
-        let span = if offset > 0.0 { channel.max_us - channel.trim_us } else { channel.trim_us - channel.min_us };
+        let span =
+            if offset > 0.0 { channel.max_us - channel.trim_us } else { channel.trim_us - channel.min_us };
         let value = if past > 0.0 { offset.signum() * past / (span - channel.dead_zone_us) } else { 0.0 };
         if channel.reversed { -value } else { value }
     }
@@ -340,7 +357,8 @@ mod tests {
 
     #[test]
     fn lets_go_of_its_own_channels_only() {
-        let Some(Message::RC_CHANNELS_OVERRIDE(data)) = Output::new(OutputKind::RcOverride).release(VEHICLE) else {
+        let Some(Message::RC_CHANNELS_OVERRIDE(data)) = Output::new(OutputKind::RcOverride).release(VEHICLE)
+        else {
             panic!("no release");
         };
         assert_eq!((data.chan1_raw, data.chan3_raw, data.chan2_raw), (RELEASE, RELEASE, KEEP));

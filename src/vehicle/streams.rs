@@ -29,7 +29,8 @@ pub struct StreamRequests {
 impl StreamRequests {
     /// Everything the bridge listens to: position, attitude and heartbeat every `control_interval_s`, the rest slower.
     pub fn new(control_interval_s: f64) -> Self {
-        let wanted = |message_id, interval_s| Wanted { message_id, interval_s, last_seen: None, last_asked: None };
+        let wanted =
+            |message_id, interval_s| Wanted { message_id, interval_s, last_seen: None, last_asked: None };
         Self {
             wanted: vec![
                 wanted(dialect::ATTITUDE_DATA::ID, control_interval_s),
@@ -56,7 +57,8 @@ impl StreamRequests {
         let due = self.wanted.iter_mut().find(|wanted| {
             let asked_lately = wanted.last_asked.is_some_and(|then| age_s(then) < REPEAT_S);
             let limit_s = (MISSING_INTERVALS * wanted.interval_s).max(REPEAT_S);
-            let coming = wanted.last_asked.is_some() && wanted.last_seen.is_some_and(|then| age_s(then) < limit_s);
+            let coming =
+                wanted.last_asked.is_some() && wanted.last_seen.is_some_and(|then| age_s(then) < limit_s);
             !asked_lately && !coming
         })?;
         due.last_asked = Some(now);
@@ -74,7 +76,11 @@ impl StreamRequests {
 
 /// MAV_CMD_SET_MESSAGE_INTERVAL.
 fn set_message_interval(vehicle: Identity, message_id: u32, interval_s: f64) -> Message {
-    command_long(vehicle, enums::MAV_CMD_SET_MESSAGE_INTERVAL, [message_id as f32, (interval_s * 1e6) as f32, 0.0])
+    command_long(
+        vehicle,
+        enums::MAV_CMD_SET_MESSAGE_INTERVAL,
+        [message_id as f32, (interval_s * 1e6) as f32, 0.0],
+    )
 }
 
 /// COMMAND_LONG with its first three parameters; the others are zero.

@@ -145,7 +145,8 @@ impl Telemetry {
             return Update::None;
         }
         let (north_mps, east_mps) = (f64::from(data.vx) / 100.0, f64::from(data.vy) / 100.0);
-        self.position = Some(Stamped { value: Position { boot_s, place, north_mps, east_mps }, received: now });
+        self.position =
+            Some(Stamped { value: Position { boot_s, place, north_mps, east_mps }, received: now });
         Update::Position(boot_s)
     }
 
@@ -258,7 +259,10 @@ mod tests {
         let mut telemetry = Telemetry::default();
         assert_eq!(telemetry.on_message(NOW, &position(0, 0, 5)), Update::None);
         assert!(telemetry.position_age_s(NOW).is_infinite());
-        assert_eq!(telemetry.on_message(NOW, &position(634_389_000, 103_990_000, 1500)), Update::Position(1.5));
+        assert_eq!(
+            telemetry.on_message(NOW, &position(634_389_000, 103_990_000, 1500)),
+            Update::Position(1.5)
+        );
         let known = telemetry.position.unwrap().value;
         assert!((known.north_mps - 1.0).abs() < 1e-9 && (known.east_mps + 0.5).abs() < 1e-9);
     }
