@@ -60,7 +60,7 @@ pub(super) fn build(
     let toward = toward.map(|place| LocalFrame::new(home).to_local(place).bearing_rad());
     let mut settings = SitlSettings {
         sea: world.sea,
-        sensors: world.sensors.clone(),
+        sensors: world.sensors,
         seed: world.seed,
         home,
         heading_rad: given.or(toward).unwrap_or(0.0),

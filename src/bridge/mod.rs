@@ -269,10 +269,12 @@ impl Bridge {
     fn meet(&mut self, link: LinkId, from: Identity, heartbeat: &HEARTBEAT_DATA) {
         match (classify(from, heartbeat), self.vehicle) {
             (Sender::Boat, None) => self.adopt(Vehicle { link, id: from }),
-            (Sender::Boat, Some(known)) if known.id == from && known.link != link => {
-                if self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S {
-                    self.adopt(Vehicle { link, id: from });
-                }
+            (Sender::Boat, Some(known))
+                if known.id == from
+                    && known.link != link
+                    && self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S =>
+            {
+                self.adopt(Vehicle { link, id: from });
             }
             (Sender::WrongVehicle(kind, autopilot), None) if self.refusal.is_none() => {
                 let text = format!(
@@ -505,12 +507,10 @@ impl Bridge {
                     self.event(enums::MAV_SEVERITY_ERROR, text);
                 }
             }
-            Some(News::NotRead(text)) => {
-                if self.reporter.is_new_problem(&text) {
-                    self.event(enums::MAV_SEVERITY_WARNING, text);
-                }
+            Some(News::NotRead(text)) if self.reporter.is_new_problem(&text) => {
+                self.event(enums::MAV_SEVERITY_WARNING, text);
             }
-            None => {}
+            Some(News::NotRead(_)) | None => {}
         }
     }
 

@@ -25,8 +25,6 @@ pub mod pi_smc;
 pub mod predictor;
 
 #[cfg(test)]
-mod closed_loop_tests;
-#[cfg(test)]
 mod testing;
 
 pub use boat::{Boat, BoatError, Limits};
