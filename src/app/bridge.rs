@@ -5,9 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use clap::Args;
 use helmlink_wire::Identity;
 
-use super::cli::BridgeArgs;
+use super::cli::Common;
 use super::console;
 use super::edge::{Edge, Seen};
 use super::failure::Failure;
@@ -16,6 +17,69 @@ use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
 use crate::link::{Hub, LinkSettings, LinkUrl};
 use crate::pilot::supervisor::{Request, State};
+use crate::vehicle::{Mode, OutputKind};
+
+/// `helmlink bridge`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  helmlink bridge --connect serial:/dev/ttyAMA0:921600 --engage-mode GUIDED --output guided
+  helmlink bridge --connect tcp:127.0.0.1:5760 --engage
+  helmlink bridge --connect udpin:0.0.0.0:14550 --shadow --mission survey.waypoints
+
+Without --engage, --engage-mode or a command from a ground station (MISSION_START or DO_PAUSE_CONTINUE
+to component 191) the bridge only watches. It never arms the motors unless --arm is given.
+Ctrl-C: motors neutral, then the boat is let go.")]
+pub struct BridgeArgs {
+    /// The flight controller: tcp:HOST:PORT, udpin:HOST:PORT, udpout:HOST:PORT or serial:DEVICE:BAUD
+    #[arg(long, value_name = "URL", required_unless_present = "config")]
+    pub connect: Option<LinkUrl>,
+    /// The mission: `vehicle` for the one on the flight controller, or a file
+    #[arg(long, default_value = "vehicle", value_name = "vehicle|FILE")]
+    pub mission: String,
+    /// By which messages the boat is steered
+    #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
+    pub output: OutputKind,
+    /// The boat that the controller is tuned for
+    #[arg(long, default_value = "otter")]
+    pub boat: String,
+    /// Speed over ground, m/s; the mission's own, or the vehicle's WP_SPEED, if not given
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<f64>,
+    /// Drive as soon as everything is ready and the boat is armed
+    #[arg(long)]
+    pub engage: bool,
+    /// Drive when the pilot changes into this mode
+    #[arg(long, value_name = "MODE")]
+    pub engage_mode: Option<Mode>,
+    /// Arm the motors when engaging
+    #[arg(long)]
+    pub arm: bool,
+    /// The mode to leave the boat in when the mission is complete
+    #[arg(long, default_value = "HOLD", value_name = "MODE")]
+    pub end_mode: Mode,
+    /// Compute and log what would be commanded, but send nothing at all
+    #[arg(long)]
+    pub shadow: bool,
+    /// Write everything received and sent to a telemetry log in this folder
+    #[arg(long, value_name = "DIR")]
+    pub record: Option<PathBuf>,
+    /// The control loop's rate, Hz
+    #[arg(long, default_value_t = 25.0, value_name = "HZ")]
+    pub rate: f64,
+    /// The ground station's system id that overrides are sent with: the flight controller's SYSID_MYGCS
+    #[arg(long, default_value_t = 255, value_name = "ID")]
+    pub gcs_system: u8,
+    /// Give up when no heartbeat has come for this many seconds after the start
+    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    pub wait: f64,
+    /// End when the mission is complete
+    #[arg(long)]
+    pub once: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
 
 /// After Ctrl-C the bridge has this long to stop the boat and let go.
 const STOPPING: Duration = Duration::from_secs(5);

@@ -3,12 +3,14 @@
 //! Three parties, each with its own socket: the simulated boat, a ground station that uploads the mission and
 //! arms, and the bridge that drives. The user's own ground station can join them.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::Args;
 use helmlink_sitl::Sitl;
 
 use super::bridge::{interrupted, unix_time_us};
-use super::cli::DemoArgs;
+use super::cli::Common;
 use super::console::{self, ProgressLine};
 use super::edge::Edge;
 use super::failure::Failure;
@@ -18,12 +20,47 @@ use super::paced_sitl::{self, PacedSitl};
 use super::result::{self, RunResult, Subject};
 use super::simulate::{check_speed, output_name};
 use super::sitl;
-use super::world::World;
+use super::world::{World, WorldArgs};
 use crate::bridge::{Bridge, BridgeSettings, Status, TICK};
 use crate::control::Boat;
 use crate::link::{Hub, LinkSettings, LinkUrl};
 use crate::pilot::supervisor::State;
 use crate::simulation::{Outcome, RunRecorder};
+use crate::vehicle::OutputKind;
+
+/// `helmlink demo`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Example:
+  helmlink demo --sea moderate --speedup 4 --report my-report
+
+While it runs, connect a ground station to the address it prints. The boat exists only in this program.")]
+pub struct DemoArgs {
+    /// The mission to drive; a harbour survey that comes with helmlink if not given
+    #[arg(long, value_name = "FILE")]
+    pub mission: Option<PathBuf>,
+    /// Speed over ground, m/s; the mission's own, or the boat's cruising speed, if not given
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<f64>,
+    /// How many times faster than real time
+    #[arg(long, default_value_t = 8.0, value_name = "N")]
+    pub speedup: f64,
+    /// Folder for the report
+    #[arg(long, default_value = "helmlink-report", value_name = "DIR")]
+    pub report: PathBuf,
+    /// The address at which ground stations and the bridge find the boat; any free port if it is taken
+    #[arg(long, default_value = "tcpin:127.0.0.1:5760", value_name = "URL")]
+    pub listen: LinkUrl,
+    /// By which messages the bridge steers
+    #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
+    pub output: OutputKind,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub world: WorldArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
 
 /// Simulated time between two samples of the score.
 const SAMPLE: Duration = Duration::from_millis(100);

@@ -1,14 +1,48 @@
 //! `helmlink mission …`: mission files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::{Args, Subcommand};
 use helmlink_mission::plan::{self, Mission};
 use helmlink_mission::route::Route;
 use serde::Serialize;
 
-use super::cli::MissionFileArgs;
+use super::cli::Common;
 use super::console;
 use super::failure::Failure;
+
+/// `helmlink mission …`.
+#[derive(Debug, Subcommand)]
+pub enum MissionCommand {
+    /// Read a mission file and say whether a boat can drive it
+    Check(MissionFileArgs),
+}
+
+/// `helmlink mission check`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Example:\n  helmlink mission check mission/plans/harbour-survey.waypoints")]
+pub struct MissionFileArgs {
+    /// The mission file (.waypoints or .plan)
+    pub mission: PathBuf,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+impl MissionCommand {
+    /// The options that every subcommand has.
+    pub fn common(&self) -> &Common {
+        match self {
+            Self::Check(args) => &args.common,
+        }
+    }
+}
+
+pub(super) fn run(command: &MissionCommand) -> Result<(), Failure> {
+    match command {
+        MissionCommand::Check(args) => check(args),
+    }
+}
 
 /// A mission that can be driven, with what it is called.
 pub(super) struct Drivable {
@@ -51,7 +85,7 @@ struct Report {
     first: [f64; 2],
 }
 
-pub(super) fn check(args: &MissionFileArgs) -> Result<(), Failure> {
+fn check(args: &MissionFileArgs) -> Result<(), Failure> {
     let drivable = load(&args.mission)?;
     let waypoints = &drivable.route.waypoints;
     let length_m: f64 = waypoints.windows(2).map(|leg| leg[0].position.distance_m(leg[1].position)).sum();

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
 
-use self::cli::{Cli, Command, MissionCommand};
+use self::cli::{Cli, Command};
 use self::failure::Failure;
 
 /// Runs the command line that the process was started with; logs on standard error, results on standard output.
@@ -73,7 +73,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Bridge(args) => bridge::run(&args),
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
-        Command::Mission(MissionCommand::Check(args)) => mission::check(&args),
+        Command::Mission(command) => mission::run(&command),
     }
 }
 

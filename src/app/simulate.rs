@@ -1,18 +1,72 @@
 //! `helmlink simulate`: a mission in simulation, as fast as the machine allows.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use super::cli::{ControllerName, SimulateArgs};
+use clap::{Args, ValueEnum};
+
+use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission::{self, Drivable};
 use super::result::{self, RunResult, Subject};
 use super::sitl;
-use super::world::World;
+use super::world::{World, WorldArgs};
 use crate::bridge::{Bridge, BridgeSettings};
 use crate::control::Boat;
 use crate::simulation::ClosedLoop;
 use crate::vehicle::OutputKind;
+
+/// `helmlink simulate`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Example:
+  helmlink simulate mission/plans/fossen-otter.waypoints --boat otter --speed 1.38 \\
+      --current 0.3@30 --sensors perfect --json")]
+pub struct SimulateArgs {
+    /// The mission file (.waypoints or .plan)
+    pub mission: PathBuf,
+    /// Speed over ground, m/s; the mission's own, or the boat's cruising speed, if not given
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<f64>,
+    /// The control law
+    #[arg(long, value_enum, default_value_t = ControllerName::PiSmc)]
+    pub controller: ControllerName,
+    /// By which messages the bridge steers
+    #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
+    pub output: OutputKind,
+    /// The control loop's rate, Hz
+    #[arg(long, default_value_t = 25.0, value_name = "HZ")]
+    pub rate: f64,
+    /// Folder for the report (track picture, result, log)
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Give up after this much simulated time, seconds
+    #[arg(long, default_value_t = 14_400.0, value_name = "S")]
+    pub limit: f64,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub world: WorldArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// The control laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ControllerName {
+    /// The adaptive PI sliding-mode controller with path-tangent guidance
+    PiSmc,
+}
+
+impl ControllerName {
+    /// The name as it is typed.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::PiSmc => "pi-smc",
+        }
+    }
+}
 
 pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let world = World::from_args(&args.world)?;

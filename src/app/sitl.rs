@@ -1,21 +1,52 @@
 //! `helmlink sitl`: the simulated boat alone.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::Args;
 use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 use helmlink_mission::plan::Mission;
 use helmlink_mission::route::Route;
 use helmlink_sitl::{Sitl, SitlSettings, StartUp};
 
 use super::bridge::interrupted;
-use super::cli::SitlArgs;
+use super::cli::Common;
 use super::console;
 use super::edge::{Edge, Seen};
 use super::failure::Failure;
 use super::mission;
 use super::paced_sitl::{self, PacedSitl};
-use super::world::World;
-use crate::link::{Hub, LinkSettings};
+use super::world::{World, WorldArgs};
+use crate::link::{Hub, LinkSettings, LinkUrl};
+
+/// `helmlink sitl`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  helmlink sitl
+  helmlink sitl --listen tcpin:127.0.0.1:5760 --listen udpout:127.0.0.1:14550 --current 0.4@90 --speedup 5
+
+Then, for example: mavproxy.py --master tcp:127.0.0.1:5760")]
+pub struct SitlArgs {
+    /// Where ground stations find the boat (repeatable)
+    #[arg(long, value_name = "URL", default_value = "tcpin:127.0.0.1:5760")]
+    pub listen: Vec<LinkUrl>,
+    /// How many times faster than real time
+    #[arg(long, default_value_t = 1.0, value_name = "N")]
+    pub speedup: f64,
+    /// A mission that the boat has on board from the start
+    #[arg(long, value_name = "FILE")]
+    pub mission: Option<PathBuf>,
+    /// Take as long to start as real firmware does (position after 42 s)
+    #[arg(long)]
+    pub realistic_startup: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub world: WorldArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
 
 /// Where a boat lies when neither the user nor a mission says: Trondheim harbour, as in Fossen's Otter example.
 const DEFAULT_HOME: Geodetic = Geodetic { latitude_deg: 63.4389, longitude_deg: 10.399 };

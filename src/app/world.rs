@@ -1,11 +1,41 @@
 //! The boat and the sea that the command line asks for.
 
+use clap::Args;
 use helmlink_mission::geodesy::Geodetic;
 use helmlink_sitl::physics::sea::{Current, Waves, Wind};
 use helmlink_sitl::physics::{Hull, Sea, SeaState, SensorSettings};
 
-use super::cli::WorldArgs;
 use super::failure::Failure;
+
+/// The boat and the sea of a simulation.
+#[derive(Debug, Clone, Args)]
+pub struct WorldArgs {
+    /// The boat: otter, monohull38, skiff or motorboat
+    #[arg(long, default_value = "otter")]
+    pub boat: String,
+    /// The sea, scaled to the boat: calm, slight, moderate or rough
+    #[arg(long, default_value = "calm")]
+    pub sea: String,
+    /// A steady current, m/s and the direction it flows TOWARD in degrees true, such as 0.3@30
+    #[arg(long, value_name = "SPEED@TOWARD")]
+    pub current: Option<String>,
+    /// Wind, m/s and the direction it blows FROM, such as 6@270
+    #[arg(long, value_name = "SPEED@FROM")]
+    pub wind: Option<String>,
+    /// Waves: significant height in m, peak period in s, direction they come FROM, such as 0.3:2.8@200
+    #[arg(long, value_name = "HS:TP@FROM")]
+    pub waves: Option<String>,
+    /// How good the boat's sensors are: perfect, typical or poor
+    #[arg(long, default_value = "typical")]
+    pub sensors: String,
+    /// Seed of everything random: the same seed gives the same run, bit for bit
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Where the boat starts: latitude, longitude and heading in degrees. If not given, at the mission's home
+    /// with the bow toward the first waypoint, or in a harbour heading north
+    #[arg(long, value_name = "LAT,LON[,HEADING]")]
+    pub home: Option<String>,
+}
 
 /// A simulated world, checked.
 #[derive(Debug, Clone)]
