@@ -138,9 +138,5 @@ pub(super) fn check_speed(speed_mps: Option<f64>, boat: &Boat) -> Result<(), Fai
 }
 
 pub(super) fn output_name(output: OutputKind) -> &'static str {
-    match output {
-        OutputKind::RcOverride => "rc-override",
-        OutputKind::ManualControl => "manual-control",
-        OutputKind::Guided => "guided",
-    }
+    output.name()
 }

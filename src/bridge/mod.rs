@@ -49,10 +49,11 @@ use self::mission::{MissionKeeper, News};
 use self::observing::Observer;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
-use crate::vehicle::output::{self, Output};
+use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
@@ -489,30 +490,27 @@ impl Bridge {
     }
 
     fn check_output(&mut self) {
-        if !self.output_ready && self.parameters.is_complete() {
+        if self.output_ready || !self.parameters.is_complete() {
+            return;
+        }
+        self.parameters.require(&output::channel_parameters(&self.parameters));
+        if self.parameters.is_complete() {
             self.output_ready = self.configure_output();
+            if self.output_ready {
+                self.warn_of_parameters();
+            }
         }
     }
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
-        let failsafes = observing::with_vehicle_settings(&self.settings.failsafes, &self.parameters);
+        let failsafes =
+            observing::effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters);
         self.watch.configure(failsafes);
+        let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
-        let own_system = f64::from(self.settings.ground_station_system);
-        let problem = match (configured, self.parameters.value("SYSID_MYGCS")) {
-            (Err(problem), _) => Some(problem),
-            (Ok(()), Some(system))
-                if self.settings.output.needs_ground_station_id() && system != own_system =>
-            {
-                Some(format!(
-                    "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
-                     {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
-                ))
-            }
-            _ => None,
-        };
-        match problem {
+        let obstacle = checks::obstacle(kind, system, &self.parameters);
+        match configured.err().or(obstacle) {
             None => true,
             Some(text) => {
                 if self.reporter.is_new_problem(&text) {
@@ -520,6 +518,13 @@ impl Bridge {
                 }
                 false
             }
+        }
+    }
+
+    fn warn_of_parameters(&mut self) {
+        let is_twin = matches!(self.settings.boat.actuators, Actuators::TwinThrusters(_));
+        for warning in checks::warnings(self.settings.output, is_twin, &self.parameters) {
+            self.event(enums::MAV_SEVERITY_WARNING, warning);
         }
     }
 

@@ -8,6 +8,7 @@ use helmlink_wire::enums;
 
 use super::Bridge;
 use super::fence::FenceKeeper;
+use crate::control::Boat;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::{Action, Failsafe, FailsafeSettings, Observation, PositionFix, Trip};
 use crate::pilot::supervisor::{Conditions, State};
@@ -123,15 +124,22 @@ impl Bridge {
     }
 }
 
-/// The failsafes with what the vehicle's owner has told the flight controller.
+/// The failsafes, fitted to the boat and to what its owner has told the flight controller.
+///
+/// A large boat may be as far off its path as its turning radius.
 ///
 /// The firmware's own check of the ground station's heartbeat (FS_GCS_ENABLE) counts override frames as one, so the
 /// bridge's frames put it out of action. The bridge then watches in its place, unless the user has set the action.
-pub(super) fn with_vehicle_settings(
+pub(super) fn effective_failsafes(
     settings: &FailsafeSettings,
+    boat: &Boat,
     parameters: &ParameterReader,
 ) -> FailsafeSettings {
     let mut settings = settings.clone();
+    if settings.cross_track.limit.is_none() {
+        let usual_m = settings.limit(Failsafe::CrossTrack);
+        settings.cross_track.limit = Some(usual_m.max(boat.limits.turn_radius_m));
+    }
     let enabled = parameters.value("FS_GCS_ENABLE").is_some_and(|value| value > 0.0);
     if enabled && settings.ground_station.action.is_none() {
         settings.ground_station.action = Some(Action::HoldPosition);

@@ -33,7 +33,7 @@ fn broken(failsafe: Failsafe, mut seen: Observation, limit: f64, passed: f64) ->
         Failsafe::NotANumber => seen.not_a_number = true,
         Failsafe::PositionJump => {
             if let Some(fix) = &mut seen.fix {
-                fix.place = fix.place + NorthEast::new(0.0, value);
+                fix.place += NorthEast::new(0.0, value);
             }
         }
         Failsafe::Fence => seen.fence_breach_m = Some(value.max(0.0)),
