@@ -196,8 +196,7 @@ fn conditions(args: &CompareArgs) -> Result<Vec<(Trial, String, String)>, Failur
     args.seas
         .split(',')
         .map(|sea| {
-            let world =
-                World::from_args(&WorldArgs { sea: sea.trim().to_owned(), ..args.world.clone() })?;
+            let world = World::from_args(&WorldArgs { sea: sea.trim().to_owned(), ..args.world.clone() })?;
             let nominal = args.trial.trial(Controller::PiSmc, &world, &drivable)?;
             Ok((nominal, world.sea_text, world.sensors_text))
         })

@@ -70,8 +70,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let outcome = run.run(limit);
     let wall_s = started.elapsed().as_secs_f64();
-    let subject =
-        Subject::of(drivable.name, &world, args.controller.as_str(), args.trial.output.as_str());
+    let subject = Subject::of(drivable.name, &world, args.controller.as_str(), args.trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {

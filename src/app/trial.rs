@@ -132,7 +132,10 @@ pub(super) fn read(path: &Path, option: &str) -> Result<String, Failure> {
 /// The file cannot be written: which, and why.
 pub(super) fn write(path: &Path, content: &str, option: &str) -> Result<(), Failure> {
     std::fs::write(path, content).map_err(|error| {
-        Failure::failed(format!("cannot write {}: {error}; choose another file with {option}", path.display()))
+        Failure::failed(format!(
+            "cannot write {}: {error}; choose another file with {option}",
+            path.display()
+        ))
     })
 }
 

@@ -112,11 +112,9 @@ impl Guidance for LineOfSight {
         let here = project(path, state.position, self.progress_m);
         self.progress_m = here.progress_m;
         let limits = SpeedLimits::new(&self.limits, self.settings.creep_mps);
-        let speed_mps =
-            limits.speed_mps(path, here.progress_m, input.speed_mps, NorthEast::ZERO, self.end);
+        let speed_mps = limits.speed_mps(path, here.progress_m, input.speed_mps, NorthEast::ZERO, self.end);
         let speed_over_ground = state.surge_mps.hypot(state.sway_mps);
-        let wanted_rad =
-            self.angle_rad(dt_s, here.foot.heading_rad, here.cross_track_m, speed_over_ground);
+        let wanted_rad = self.angle_rad(dt_s, here.foot.heading_rad, here.cross_track_m, speed_over_ground);
         self.refer(dt_s, wanted_rad);
         let heading_error_rad = ssa(self.heading_rad - state.heading_rad);
         let forward = (heading_error_rad.cos() / TURN_FIRST_COSINE).clamp(0.0, 1.0);

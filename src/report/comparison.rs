@@ -47,10 +47,8 @@ pub fn comparison_svg(ground: &Run, tracks: &[ComparedTrack]) -> String {
 }
 
 fn draw_map(svg: &mut Svg, ground: &Run, tracks: &[ComparedTrack], area: Area) {
-    let everything = Run {
-        track: tracks.iter().flat_map(|run| run.track.iter().copied()).collect(),
-        ..ground.clone()
-    };
+    let everything =
+        Run { track: tracks.iter().flat_map(|run| run.track.iter().copied()).collect(), ..ground.clone() };
     let projection = Projection::fitting(&everything, area);
     svg.area(area, 0.0, Style::filled(theme::WATER));
     map::mission_and_path(svg, ground, &projection);

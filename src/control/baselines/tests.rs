@@ -5,8 +5,8 @@ use crate::control::testing::{Plant, Run};
 use crate::control::{Boat, Controller};
 
 fn corner() -> Path {
-    let points = [(0.0, 0.0), (120.0, 0.0), (120.0, 120.0)]
-        .map(|(north_m, east_m)| NorthEast { north_m, east_m });
+    let points =
+        [(0.0, 0.0), (120.0, 0.0), (120.0, 120.0)].map(|(north_m, east_m)| NorthEast { north_m, east_m });
     Path::through(&points, &PathLimits::new(8.0, 6.0)).unwrap()
 }
 

@@ -52,7 +52,13 @@ impl Metric {
             (Some(spread), true) => spread.rms,
             (Some(spread), false) => spread.rms.max(failed_m),
             // A mission without a sample of this kind says nothing; one that never began says all.
-            (None, completed) => if completed { 0.0 } else { failed_m },
+            (None, completed) => {
+                if completed {
+                    0.0
+                } else {
+                    failed_m
+                }
+            }
         }
     }
 }
