@@ -23,7 +23,7 @@ impl OutputKind {
     pub const ALL: [Self; 4] = [Self::RcOverride, Self::ManualControl, Self::Guided, Self::GuidedVelocity];
 
     /// The name on the command line.
-    pub fn name(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Self::RcOverride => "rc-override",
             Self::ManualControl => "manual-control",
@@ -50,7 +50,7 @@ impl OutputKind {
 
 impl fmt::Display for OutputKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        f.write_str(self.as_str())
     }
 }
 
@@ -63,7 +63,7 @@ impl FromStr for OutputKind {
     type Err = UnknownOutput;
 
     fn from_str(text: &str) -> Result<Self, UnknownOutput> {
-        let named = Self::ALL.into_iter().find(|kind| kind.name() == text);
+        let named = Self::ALL.into_iter().find(|kind| kind.as_str() == text);
         named.ok_or_else(|| UnknownOutput(text.to_owned()))
     }
 }
