@@ -15,8 +15,10 @@
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
 //! | `observing` | what the failsafes see |
 //! | `fence` | gets the fence |
+//! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
+//! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
@@ -28,9 +30,11 @@ mod mission;
 mod observing;
 pub mod pace;
 mod reporting;
+mod routing;
 pub mod settings;
 pub mod status;
 mod steering;
+mod timesync;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -49,6 +53,7 @@ use self::mission::{MissionKeeper, News};
 use self::observing::Observer;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use self::timesync::TimeSync;
 use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
@@ -65,6 +70,8 @@ const HOUSEKEEPING: Duration = Duration::from_millis(10);
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 /// A flight controller that shows up on another link is followed there when the old link has been silent this long.
 const MOVE_AFTER_S: f64 = 3.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
 const EVENT_LIMIT: usize = 1000;
 
@@ -97,6 +104,7 @@ pub struct Bridge {
     supervisor: Supervisor,
     watch: Watch,
     observer: Observer,
+    timesync: TimeSync,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
@@ -135,6 +143,7 @@ impl Bridge {
             supervisor: Supervisor::new(policy),
             watch: Watch::new(settings.failsafes.clone()),
             observer: Observer::default(),
+            timesync: TimeSync::default(),
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
@@ -236,6 +245,7 @@ impl Bridge {
             diagnostics: self.steering.diagnostics,
             steps: self.steering.steps,
             pace: self.steering.pace,
+            round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
     }
 
@@ -268,8 +278,16 @@ impl Bridge {
         Identity { system: vehicle.system, component: settings::COMPONENT }
     }
 
+    /// Every address that the bridge sends with.
+    fn own_addresses(&self) -> [Identity; 2] {
+        let own = self.own_or_default();
+        [own, self.settings.steering_identity(own)]
+    }
+
     fn drain(&mut self, link: LinkId) {
-        while let Some((from, message)) = self.links.next_message(self.driver_now, link) {
+        while let Some((from, message)) =
+            self.links.next_message(self.driver_now, link, &self.own_addresses())
+        {
             self.on_message(link, from, &message);
         }
     }
@@ -352,6 +370,11 @@ impl Bridge {
                 }
             }
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::TIMESYNC(data) => {
+                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
+                    self.links.send(self.driver_now, vehicle.link, own, &answer);
+                }
+            }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => {
                 self.mission.on_message(self.now, vehicle.id, message);
@@ -410,10 +433,25 @@ impl Bridge {
                     enums::MAV_RESULT_DENIED
                 }
             }
+            Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
+            Order::LetGo => self.obey(Request::LetGo),
+            // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
+            Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
         self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+    }
+
+    fn change_speed(&mut self, speed_mps: f64) -> u8 {
+        let most_mps = self.settings.boat.limits.speed_max_mps;
+        let Some(run) = self.run.as_mut().filter(|_| (LEAST_SPEED_MPS..=most_mps).contains(&speed_mps))
+        else {
+            return enums::MAV_RESULT_DENIED;
+        };
+        run.set_speed(Some(speed_mps));
+        self.event(enums::MAV_SEVERITY_INFO, format!("speed {speed_mps:.2} m/s from now on, as asked"));
+        enums::MAV_RESULT_ACCEPTED
     }
 
     fn obey(&mut self, request: Request) -> u8 {
@@ -472,6 +510,9 @@ impl Bridge {
         let (own, now) = (self.own(vehicle.id), self.driver_now);
         let Vehicle { link, id } = vehicle;
         while let Some(message) = self.streams.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+        if let Some(message) = self.timesync.poll(now, id) {
             self.links.send(now, link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
