@@ -16,6 +16,10 @@ pub(super) enum Order {
     ChangeSpeed(f64),
     /// Stop the boat and let go: MAV_CMD_USER_1.
     LetGo,
+    /// Parameters back to their factory values: MAV_CMD_PREFLIGHT_STORAGE with 2.
+    ResetParameters,
+    /// Keep the parameters: MAV_CMD_PREFLIGHT_STORAGE with 1.
+    SaveParameters,
     /// A message that the bridge does not have: MAV_CMD_REQUEST_MESSAGE.
     NoSuchMessage,
     /// Nothing that the bridge does.
@@ -72,6 +76,9 @@ impl Command {
             enums::MAV_CMD_DO_CHANGE_SPEED if self.param2 > 0.0 => Order::ChangeSpeed(f64::from(self.param2)),
             enums::MAV_CMD_DO_CHANGE_SPEED => Order::Denied,
             enums::MAV_CMD_USER_1 => Order::LetGo,
+            enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 2.0 => Order::ResetParameters,
+            enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 1.0 => Order::SaveParameters,
+            enums::MAV_CMD_PREFLIGHT_STORAGE => Order::Denied,
             enums::MAV_CMD_REQUEST_MESSAGE => Order::NoSuchMessage,
             _ => Order::Unsupported,
         }

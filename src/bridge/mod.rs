@@ -18,6 +18,7 @@
 //! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
+//! | [`parameters`] | the bridge's own parameters |
 //! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
@@ -29,6 +30,7 @@ mod links;
 mod mission;
 mod observing;
 pub mod pace;
+pub mod parameters;
 mod reporting;
 mod routing;
 pub mod settings;
@@ -51,6 +53,8 @@ use self::follow::CurrentItem;
 use self::links::Links;
 use self::mission::{MissionKeeper, News};
 use self::observing::Observer;
+use self::parameters::Tunables;
+use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
 use self::timesync::TimeSync;
@@ -105,6 +109,9 @@ pub struct Bridge {
     watch: Watch,
     observer: Observer,
     timesync: TimeSync,
+    parameter_service: ParameterService,
+    /// The parameters as the bridge was started with, saved ones left out.
+    factory: Tunables,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
@@ -113,7 +120,9 @@ pub struct Bridge {
 
 impl Bridge {
     /// A bridge that has not heard anything yet.
-    pub fn new(settings: BridgeSettings) -> Self {
+    pub fn new(mut settings: BridgeSettings) -> Self {
+        let factory = settings.tunables();
+        let complaints = settings.take_saved_parameters();
         let policy = Policy {
             drive_mode: settings.output.mode(),
             engage_mode: settings.engage_mode,
@@ -144,12 +153,17 @@ impl Bridge {
             watch: Watch::new(settings.failsafes.clone()),
             observer: Observer::default(),
             timesync: TimeSync::default(),
+            parameter_service: ParameterService::default(),
+            factory,
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
             settings,
         };
+        for complaint in complaints {
+            bridge.event(enums::MAV_SEVERITY_WARNING, format!("saved parameter left out: {complaint}"));
+        }
         if bridge.settings.engage {
             bridge.request(Duration::ZERO, Request::Engage { patient: true }).ok();
         }
@@ -415,6 +429,7 @@ impl Bridge {
         {
             self.jump_to_item(*seq);
         }
+        self.on_parameter_message(link, from, message);
         let Some(command) = Command::from_message(message, own) else { return };
         let result = match command.order() {
             Order::Engage => {
@@ -435,6 +450,12 @@ impl Bridge {
             }
             Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
             Order::LetGo => self.obey(Request::LetGo),
+            Order::ResetParameters => {
+                self.reset_parameters();
+                enums::MAV_RESULT_ACCEPTED
+            }
+            // Parameters are kept as they are set.
+            Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
             // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
             Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
@@ -496,6 +517,7 @@ impl Bridge {
         }
         self.last_housekeeping = Some(self.now);
         self.report();
+        self.send_parameter_list();
         self.take_mission_news();
         if let Some(vehicle) = self.vehicle {
             self.ask(vehicle);
@@ -545,9 +567,7 @@ impl Bridge {
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
-        let failsafes =
-            observing::effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters);
-        self.watch.configure(failsafes);
+        self.watch.configure(self.failsafes_in_force());
         let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
         let obstacle = checks::obstacle(kind, system, &self.parameters);
@@ -573,11 +593,7 @@ impl Bridge {
         match self.mission.poll_news(self.now) {
             Some(News::Loaded(route)) => {
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
-                let speed_mps = self
-                    .settings
-                    .speed_mps
-                    .or_else(|| output::full_speed_mps(&self.parameters))
-                    .unwrap_or(self.settings.boat.limits.cruise_mps);
+                let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.event(enums::MAV_SEVERITY_INFO, text);
@@ -603,6 +619,14 @@ impl Bridge {
             }
             None => {}
         }
+    }
+
+    /// Speed over ground where the mission does not say, m/s.
+    fn usual_speed_mps(&self) -> f64 {
+        self.settings
+            .speed_mps
+            .or_else(|| output::full_speed_mps(&self.parameters))
+            .unwrap_or(self.settings.boat.limits.cruise_mps)
     }
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {

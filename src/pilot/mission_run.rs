@@ -288,6 +288,21 @@ impl MissionRun {
         Ok(())
     }
 
+    /// Takes over other gains and another usual speed. True when the controller had to be made anew, and has to be
+    /// engaged again: what it has learned is kept only by a law that can take over gains.
+    pub fn retune(&mut self, boat: &Boat, settings: RunSettings, gains_changed: bool) -> bool {
+        self.settings = settings;
+        if !gains_changed {
+            return false;
+        }
+        self.boat = boat.clone();
+        let kept = self.helm.retune(boat);
+        if !kept {
+            self.helm = Helm::with_controller(boat, settings.controller, EndOfPath::Stop);
+        }
+        !kept
+    }
+
     /// Drives at this speed over ground from now on, whatever the mission says, m/s; `None` gives the mission its say back.
     pub fn set_speed(&mut self, speed_mps: Option<f64>) {
         self.speed_mps = speed_mps;
