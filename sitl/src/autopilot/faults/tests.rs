@@ -174,8 +174,12 @@ fn a_reboot_disarms_falls_silent_and_comes_back() {
     let sent = bench.run_s(3.0);
     assert!(heartbeats(&sent[&LINK]) >= 2);
     assert!(Bench::texts(&sent).contains(&"ArduPilot Ready".to_owned()));
-    let first = sent[&LINK].iter().find(|message| matches!(message, Message::HEARTBEAT(_)));
-    assert!(matches!(first, Some(Message::HEARTBEAT(data)) if data.custom_mode == Mode::Manual.number()));
+    let modes = sent[&LINK].iter().filter_map(|message| match message {
+        Message::HEARTBEAT(data) => Some(data.custom_mode),
+        _ => None,
+    });
+    let modes: Vec<u32> = modes.collect();
+    assert_eq!((modes.first(), modes.last()), (Some(&16), Some(&Mode::Manual.number())));
     assert_eq!(bench.autopilot.parameters.int(SIM_REBOOT), 0, "once is enough");
 }
 
