@@ -16,6 +16,9 @@ const RETRY: Duration = Duration::from_secs(5);
 /// How long to wait before a transfer that failed is tried again: another one may just be going on.
 const TRANSFER_RETRY: Duration = Duration::from_secs(1);
 
+/// What ArduPilot says when a mission has been uploaded to it.
+const UPLOADED_TEXT: &str = "Flight plan received";
+
 /// What became of a mission.
 #[derive(Debug)]
 pub(super) enum News {
@@ -35,6 +38,8 @@ pub(super) struct MissionKeeper {
     download: Option<Download>,
     loaded: Option<Mission>,
     retry_at: Duration,
+    /// Another mission has been uploaded, perhaps with as many items.
+    uploaded: bool,
 }
 
 impl MissionKeeper {
@@ -43,7 +48,7 @@ impl MissionKeeper {
             MissionSource::Vehicle => (true, None),
             MissionSource::Given(mission) => (false, Some(mission.clone())),
         };
-        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO }
+        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO, uploaded: false }
     }
 
     /// A mission is there, and no newer one is being read.
@@ -73,6 +78,11 @@ impl MissionKeeper {
         }
     }
 
+    /// The firmware says when a mission has been uploaded (ArduPilot: "Flight plan received").
+    pub(super) fn on_text(&mut self, text: &str) {
+        self.uploaded |= text.starts_with(UPLOADED_TEXT);
+    }
+
     pub(super) fn on_message(&mut self, now: Duration, from: Identity, message: &Message) {
         if let Some(download) = &mut self.download {
             download.on_message(now, from, message);
@@ -87,7 +97,9 @@ impl MissionKeeper {
 
     /// The next message to send, if any.
     pub(super) fn poll(&mut self, now: Duration, own: Identity, vehicle: Identity) -> Option<Message> {
-        if self.loaded.is_none() && self.download.is_none() && now >= self.retry_at {
+        let wants = self.loaded.is_none() || self.uploaded;
+        if wants && self.download.is_none() && now >= self.retry_at {
+            self.uploaded = false;
             self.refresh(own, vehicle);
         }
         self.download.as_mut().and_then(|download| download.poll(now))
@@ -105,6 +117,7 @@ impl MissionKeeper {
             Ok(mission) => Some(self.take_over(now, mission)),
             Err(error) => {
                 self.retry_at = now + TRANSFER_RETRY;
+                self.uploaded = true;
                 Some(News::NotRead(format!("the mission could not be read yet: {error}")))
             }
         }

@@ -15,6 +15,7 @@
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
 //! | `observing` | what the failsafes see |
 //! | `fence` | gets the fence |
+//! | [`resume`] | going on after the bridge itself has died |
 //! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
@@ -32,7 +33,10 @@ mod observing;
 pub mod pace;
 pub mod parameters;
 mod reporting;
+pub mod resume;
 mod routing;
+#[cfg(test)]
+mod sea_trials;
 pub mod settings;
 pub mod status;
 mod steering;
@@ -61,7 +65,7 @@ use self::timesync::TimeSync;
 use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
-use crate::pilot::{MissionRun, RunSettings};
+use crate::pilot::{MissionRun, RunSettings, rejoin};
 use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
@@ -492,6 +496,7 @@ impl Bridge {
             return false;
         };
         run.jump_to(index);
+        self.watch.on_new_way();
         self.event(
             enums::MAV_SEVERITY_INFO,
             format!("going on with item {item}, as the ground station asked"),
@@ -524,6 +529,7 @@ impl Bridge {
             self.check_output();
         }
         self.supervise();
+        self.try_to_resume();
         self.keep_sending();
     }
 
@@ -595,8 +601,9 @@ impl Bridge {
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
                 let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
-                self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
+                let run = MissionRun::new(route, self.settings.boat.clone(), settings);
                 self.event(enums::MAV_SEVERITY_INFO, text);
+                self.take_up(run);
             }
             Some(News::Unusable(text)) => {
                 self.run = None;
@@ -618,6 +625,27 @@ impl Bridge {
                 self.event(enums::MAV_SEVERITY_WARNING, text);
             }
             None => {}
+        }
+    }
+
+    /// Another mission is there. One that comes under way is followed from where the boat is.
+    fn take_up(&mut self, mut run: MissionRun) {
+        let under_way = matches!(self.supervisor.state(), State::Engaged | State::Holding);
+        if let (Some(old), Some(position)) =
+            (self.run.as_ref().filter(|_| under_way), self.telemetry.position)
+        {
+            let next = old.progress().next;
+            let target = old.route().waypoints.get(next).map(|waypoint| waypoint.position);
+            let index = rejoin::next_waypoint(run.route(), position.value.place, target, next > 0);
+            run.jump_to(index);
+            let text = format!("the mission has changed under way: going on with waypoint {}", index + 1);
+            self.event(enums::MAV_SEVERITY_NOTICE, text);
+        }
+        self.run = Some(run);
+        self.current.clear();
+        self.watch.on_new_way();
+        if self.supervisor.state() == State::Engaged {
+            self.engage_run();
         }
     }
 

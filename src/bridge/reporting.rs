@@ -154,6 +154,7 @@ impl Bridge {
     /// What the flight controller says goes into the log, not back to it.
     pub(super) fn on_vehicle_text(&mut self, data: &STATUSTEXT_DATA) {
         if let Ok(text) = data.text.to_str() {
+            self.mission.on_text(text);
             let event = Event { severity: data.severity, text: format!("flight controller: {text}") };
             self.events.push_back(event);
         }

@@ -4,6 +4,7 @@ use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
 
 use super::parameters::{ParameterError, Tunables};
+use super::resume::ResumePoint;
 use crate::control::Controller;
 use crate::pilot::failsafe::{Failsafe, FailsafeSettings};
 use crate::pilot::supervisor::Limits;
@@ -55,6 +56,8 @@ pub struct BridgeSettings {
     pub limits: Limits,
     /// What can go wrong, and what is then done.
     pub failsafes: FailsafeSettings,
+    /// A drive to take up again, as [`super::Bridge::resume_point`] gave it to an earlier bridge.
+    pub resume: Option<ResumePoint>,
     /// Parameters set over MAVLink in an earlier run, as [`super::Bridge::take_parameters`] gave them; empty for none.
     pub parameters: String,
 }
@@ -77,6 +80,7 @@ impl BridgeSettings {
             ground_station_system: 255,
             limits: Limits::default(),
             failsafes: FailsafeSettings::default(),
+            resume: None,
             parameters: String::new(),
         }
     }

@@ -4,12 +4,14 @@
 //! |---|---|
 //! | [`supervisor`] | when the bridge drives, and why it stops |
 //! | [`failsafe`] | what can go wrong, how it is noticed, what is done about it |
+//! | [`rejoin`] | where to go on when the mission has changed under way |
 //! | [`mission_run`] | where on the mission the boat is: stretches between stops, waypoints reached |
 //!
 //! The pilot knows a local north-east frame, metres and radians; no MAVLink, no clock, no socket.
 
 pub mod failsafe;
 pub mod mission_run;
+pub mod rejoin;
 pub mod supervisor;
 
 pub use mission_run::{MissionRun, Progress, RunSettings, Step};

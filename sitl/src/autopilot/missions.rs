@@ -27,6 +27,9 @@ impl Autopilot {
                 MissionType::Mission => {
                     self.parameters.put(MIS_TOTAL, count);
                     let items = self.mission_items().len();
+                    if items > 0 {
+                        self.links.text(MAV_SEVERITY_INFO, "Flight plan received");
+                    }
                     if self.auto.items_changed(items) && self.mode == Mode::Auto {
                         self.links.text(MAV_SEVERITY_NOTICE, "Auto mission changed, restarted command");
                     }

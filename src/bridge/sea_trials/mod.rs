@@ -1,0 +1,6 @@
+//! The bridge against the simulated boat, on simulated time, with everything going wrong on purpose.
+
+mod figures;
+mod matrix;
+mod rig;
+mod services;
