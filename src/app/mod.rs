@@ -8,11 +8,13 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod guarded;
 mod mission;
 mod paced_sitl;
 mod result;
 mod simulate;
 mod sitl;
+mod state_dir;
 mod world;
 
 use std::ffi::OsString;

@@ -6,6 +6,7 @@ use helmlink_sitl::Sitl;
 use helmlink_wire::LinkId;
 
 use super::edge::Party;
+use crate::link::EndpointId;
 use crate::simulation::closed_loop::LOOP;
 
 /// A boat that has fallen behind its pace by more than this much simulated time goes on from where it is:
@@ -45,7 +46,7 @@ impl PacedSitl {
 }
 
 impl Party for PacedSitl {
-    fn link_up(&mut self, _now: Duration, link: LinkId) {
+    fn link_up(&mut self, _now: Duration, link: LinkId, _endpoint: EndpointId) {
         self.sitl.link_up(link);
     }
 
