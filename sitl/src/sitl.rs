@@ -205,6 +205,11 @@ impl Sitl {
         }
     }
 
+    /// While time is held: answers what clients have asked and takes their orders; no time passes.
+    pub fn serve(&mut self) {
+        self.autopilot.serve();
+    }
+
     /// Stops time (true) or lets it pass again (false). While it stands, [`Sitl::advance`] only answers what
     /// clients ask.
     pub fn set_paused(&mut self, paused: bool) {
@@ -450,6 +455,12 @@ impl Sitl {
                 Err(FaultError::NoSuchPart { fault: fault.to_string(), boat, part })
             }
         }
+    }
+
+    /// Arms the boat and starts its mission, or has it keep its place if there is none. False while it is not
+    /// ready for that; try again later.
+    pub fn start(&mut self) -> bool {
+        self.autopilot.start()
     }
 
     /// Stores a mission as if it had been uploaded; `items` are without home.

@@ -195,7 +195,8 @@ mod tests {
     #[test]
     fn leaving_a_polygon_a_circle_or_entering_a_forbidden_one_is_a_breach() {
         let ahead = NorthEast::new(40.0, 0.0);
-        let plans: [Box<dyn Fn(&LocalFrame) -> Vec<Item>>; 4] = [
+        type Plan = Box<dyn Fn(&LocalFrame) -> Vec<Item>>;
+        let plans: [Plan; 4] = [
             Box::new(|frame| {
                 square(MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, NorthEast::ZERO, 20.0, frame)
             }),

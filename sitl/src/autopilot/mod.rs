@@ -422,6 +422,15 @@ impl Autopilot {
         self.parameters.changed()
     }
 
+    /// Arms and starts the mission, or keeps the place; false while that is not possible.
+    pub(crate) fn start(&mut self) -> bool {
+        if !self.has_position() || !self.arming_obstacles().is_empty() || !self.arm(false) {
+            return false;
+        }
+        let mode = if self.mission_items().is_empty() { Mode::Loiter } else { Mode::Auto };
+        self.enter_mode(mode).is_ok()
+    }
+
     /// Enters a mode as if a ground station had asked for it.
     pub(crate) fn order_mode(&mut self, number: u32) {
         // A refusal has been told as STATUSTEXT.

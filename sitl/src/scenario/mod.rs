@@ -133,3 +133,6 @@ impl Scenario {
         BUILTIN.iter().map(|(name, _)| *name)
     }
 }
+
+#[cfg(test)]
+mod tests;
