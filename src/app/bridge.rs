@@ -1,6 +1,7 @@
 //! `helmlink bridge`: steers a boat through its flight controller.
 
 mod links;
+mod memory;
 mod signing;
 
 use std::fs::{self, File};
@@ -12,6 +13,7 @@ use clap::Args;
 use helmlink_wire::Identity;
 
 use self::links::LinkArgs;
+use self::memory::Memory;
 use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
@@ -23,6 +25,7 @@ use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
 use crate::link::LinkUrl;
+use crate::pilot::failsafe::{FailsafeOption, FailsafeSettings};
 use crate::pilot::supervisor::{Request, State};
 use crate::vehicle::{Mode, OutputKind};
 
@@ -46,7 +49,11 @@ pub struct BridgeArgs {
     #[arg(long, default_value = "vehicle", value_name = "vehicle|FILE")]
     pub mission: String,
     /// By which messages the boat is steered
-    #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
+    #[arg(
+        long,
+        default_value = "rc-override",
+        value_name = "rc-override|manual-control|guided|guided-velocity"
+    )]
     pub output: OutputKind,
     /// The boat that the controller is tuned for
     #[arg(long, default_value = "otter")]
@@ -57,6 +64,12 @@ pub struct BridgeArgs {
     /// Drive as soon as everything is ready and the boat is armed
     #[arg(long)]
     pub engage: bool,
+    /// Go on where a run that was broken off has been, if mission, boat and mode are as they were
+    #[arg(long)]
+    pub resume: bool,
+    /// Limit and action of a failsafe (repeatable): KEY=LIMIT, KEY=ACTION or KEY=LIMIT:ACTION; see docs/safety.md
+    #[arg(long, value_name = "KEY=…")]
+    pub failsafe: Vec<FailsafeOption>,
     /// Drive when the pilot changes into this mode
     #[arg(long, value_name = "MODE")]
     pub engage_mode: Option<Mode>,
@@ -104,12 +117,30 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     let url = args.connect.clone().ok_or_else(|| {
         Failure::usage("say where the flight controller is: --connect tcp:HOST:PORT, udpin:…, udpout:… or serial:DEVICE:BAUD")
     })?;
-    let settings = settings(args)?;
+    let mut settings = settings(args)?;
+    let memory = remember(args, &url, &mut settings)?;
     let signing = args.links.signing(&args.state)?;
     let log = args.record.as_deref().map(LogFile::create).transpose()?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings, signing, log))
+    runtime.block_on(drive(args, &url, settings, memory, signing, log))
+}
+
+/// What outlives a run, put into the settings. A shadow keeps nothing.
+fn remember(
+    args: &BridgeArgs,
+    url: &LinkUrl,
+    settings: &mut BridgeSettings,
+) -> Result<Option<Memory>, Failure> {
+    if args.shadow {
+        return Ok(None);
+    }
+    let memory = Memory::open(&args.state.folder()?, url);
+    settings.parameters = memory.parameters()?;
+    if args.resume {
+        settings.resume = memory.resume_point()?;
+    }
+    Ok(Some(memory))
 }
 
 /// The settings that the options ask for.
@@ -139,7 +170,12 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
         "vehicle" => MissionSource::Vehicle,
         file => MissionSource::Given(mission::load(Path::new(file))?.mission),
     };
+    let mut failsafes = FailsafeSettings::default();
+    for FailsafeOption(failsafe, rule) in &args.failsafe {
+        failsafes.set(*failsafe, *rule).map_err(Failure::usage)?;
+    }
     Ok(BridgeSettings {
+        failsafes,
         mission,
         output: args.output,
         speed_mps: args.speed,
@@ -158,6 +194,7 @@ async fn drive(
     args: &BridgeArgs,
     url: &LinkUrl,
     settings: BridgeSettings,
+    mut memory: Option<Memory>,
     mut signing: Option<SigningStore>,
     mut log: Option<LogFile>,
 ) -> Result<(), Failure> {
@@ -177,6 +214,9 @@ async fn drive(
         }
         say_events(&mut edge);
         write_log(&mut edge, &mut log);
+        if let Some(memory) = &mut memory {
+            memory.keep(edge.now(), &mut edge.party);
+        }
         if let Some(store) = &mut signing {
             store.save_when_due(edge.now(), edge.party.gate.timestamp());
         }
@@ -185,6 +225,9 @@ async fn drive(
         }
     };
     stop(&mut edge, &mut log).await;
+    if let Some(memory) = &mut memory {
+        memory.keep(edge.now(), &mut edge.party);
+    }
     if let Some(store) = &mut signing {
         store.save(edge.party.gate.timestamp());
     }
@@ -263,6 +306,8 @@ fn write_log(edge: &mut Live, log: &mut Option<LogFile>) {
         // Steering goes on: a full disk must not stop a boat in the middle of a channel.
         tracing::error!("recording has ended: cannot write {}: {error}", open.path.display());
         *log = None;
+        let now = edge.now();
+        edge.party.set_recording_failed(now, true);
     }
 }
 

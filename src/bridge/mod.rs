@@ -125,6 +125,8 @@ pub struct Bridge {
 impl Bridge {
     /// A bridge that has not heard anything yet.
     pub fn new(mut settings: BridgeSettings) -> Self {
+        let mut parameters = ParameterReader::new(&output::PARAMETERS);
+        parameters.wish_for(&output::OPTIONAL_PARAMETERS);
         let factory = settings.tunables();
         let complaints = settings.take_saved_parameters();
         let policy = Policy {
@@ -146,7 +148,7 @@ impl Bridge {
             telemetry: Telemetry::default(),
             cadence: Cadence::new(settings.control_interval_s),
             streams: StreamRequests::new(settings.control_interval_s),
-            parameters: ParameterReader::new(&output::PARAMETERS),
+            parameters,
             output: Output::new(settings.output),
             // A shadow asks nothing, so there is nothing to wait for.
             output_ready: settings.shadow,
@@ -378,7 +380,7 @@ impl Bridge {
         match message {
             Message::PARAM_VALUE(data) => {
                 if self.parameters.on_value(data) && self.output_ready {
-                    self.configure_output();
+                    self.output_ready = self.configure_output();
                 }
             }
             Message::MISSION_CURRENT(data) => {

@@ -101,11 +101,11 @@ impl ResumePoint {
             Err(NotResumed::Ended)
         } else if self.mission != found.mission {
             Err(NotResumed::OtherMission)
-        } else if !(gap_s >= 0.0) {
+        } else if gap_s.is_nan() || gap_s < 0.0 {
             Err(NotResumed::Rebooted)
         } else if gap_s > LONGEST_GAP_S {
             Err(NotResumed::TooLongAgo(gap_s))
-        } else if !(away_m <= DRIFT_M + DRIFT_MARGIN * found.speed_max_mps * gap_s) {
+        } else if away_m.is_nan() || away_m > DRIFT_M + DRIFT_MARGIN * found.speed_max_mps * gap_s {
             Err(NotResumed::Elsewhere(away_m))
         } else if !found.armed {
             Err(NotResumed::Disarmed)

@@ -84,7 +84,11 @@ impl Router {
             return Vec::new();
         }
         let senders = self.heard.get(&from);
-        let may_pass = |to: &LinkId| *to != link && senders.is_none_or(|links| !links.contains(to));
+        // Who hears his own broadcasts on a link has sent them there himself. What he asks of somebody he may have said
+        // here alone.
+        let is_broadcast = system == 0;
+        let has_said = |to: &LinkId| is_broadcast && senders.is_some_and(|links| links.contains(to));
+        let may_pass = |to: &LinkId| *to != link && !has_said(to);
         let is_target =
             |known: &Identity| known.system == system && (component == 0 || known.component == component);
         let is_reached = |to: &LinkId| {

@@ -11,11 +11,16 @@ const TIMEOUT: Duration = Duration::from_millis(700);
 /// about names it does not know.
 const ATTEMPTS: u32 = 5;
 
+/// Requests for a parameter that not every vehicle has, before it is no longer waited for.
+const OPTIONAL_ATTEMPTS: u32 = 2;
+
 /// One parameter to be read.
 #[derive(Debug, Clone)]
 struct Wanted {
     name: &'static str,
     value: Option<f32>,
+    /// Nothing has to wait for it for long.
+    optional: bool,
     attempts: u32,
     last_asked: Option<Duration>,
 }
@@ -29,15 +34,26 @@ pub struct ParameterReader {
 impl ParameterReader {
     /// Will read `names` (at most 16 characters each).
     pub fn new(names: &[&'static str]) -> Self {
-        let wanted = |&name| Wanted { name, value: None, attempts: 0, last_asked: None };
-        Self { wanted: names.iter().map(wanted).collect() }
+        let mut reader = Self { wanted: Vec::new() };
+        reader.require(names);
+        reader
     }
 
     /// Will read these too.
     pub fn require(&mut self, names: &[&'static str]) {
+        self.add(names, false);
+    }
+
+    /// Will read these too, but counts them as missing after the second request without an answer; goes on asking all
+    /// the same.
+    pub fn wish_for(&mut self, names: &[&'static str]) {
+        self.add(names, true);
+    }
+
+    fn add(&mut self, names: &[&'static str], optional: bool) {
         for &name in names {
             if self.wanted.iter().all(|wanted| wanted.name != name) {
-                self.wanted.push(Wanted { name, value: None, attempts: 0, last_asked: None });
+                self.wanted.push(Wanted { name, value: None, optional, attempts: 0, last_asked: None });
             }
         }
     }
@@ -71,7 +87,10 @@ impl ParameterReader {
 
     /// Every parameter has been answered, or has been given up.
     pub fn is_complete(&self) -> bool {
-        self.wanted.iter().all(|wanted| wanted.value.is_some() || wanted.attempts >= ATTEMPTS)
+        self.wanted.iter().all(|wanted| {
+            let enough = if wanted.optional { OPTIONAL_ATTEMPTS } else { ATTEMPTS };
+            wanted.value.is_some() || wanted.attempts >= enough
+        })
     }
 
     /// The value of `name`; `None` while unknown, and for ever when the vehicle does not have it.

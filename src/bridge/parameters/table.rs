@@ -105,10 +105,6 @@ table! {
     choice "HL_FSA_REC" = Recording;
 }
 
-/// The actions in the order of their numbers.
-const NUMBERED: [Action; 5] =
-    [Action::Warn, Action::ReturnToLaunch, Action::HoldPosition, Action::NeutralAndRelease, Action::LetGo];
-
 impl Place {
     pub(super) fn get(&self, tunables: &mut Tunables) -> f64 {
         match self {
@@ -117,7 +113,7 @@ impl Place {
             Self::Limit(failsafe) => tunables.failsafes.limit(*failsafe),
             Self::Action(failsafe) => {
                 let action = tunables.failsafes.action(*failsafe);
-                NUMBERED.iter().position(|known| *known == action).unwrap_or_default() as f64
+                Action::ALL.iter().position(|known| *known == action).unwrap_or_default() as f64
             }
         }
     }
@@ -129,7 +125,7 @@ impl Place {
             Self::Speed => tunables.speed_mps = value,
             Self::Limit(failsafe) => tunables.failsafes.rule_mut(*failsafe).limit = Some(value),
             Self::Action(failsafe) => {
-                let known = NUMBERED.iter().enumerate().find(|(number, _)| *number as f64 == value);
+                let known = Action::ALL.iter().enumerate().find(|(number, _)| *number as f64 == value);
                 let Some((_, action)) = known else { return false };
                 let limit = tunables.failsafes.rule(*failsafe).limit;
                 *tunables.failsafes.rule_mut(*failsafe) = Rule { limit, action: Some(*action) };

@@ -120,6 +120,10 @@ fn rig(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -
     let mut rig = Rig::new(Setup::new(output, receiver), |settings| {
         let rule = settings.failsafes.rule_mut(failsafe);
         (rule.limit, rule.action) = (limit(failsafe), Some(action));
+        if failsafe == Failsafe::Saturated {
+            // Asks for all there is when the boat does not answer.
+            settings.boat.control.surge.reaching_gain = 3.0;
+        }
     });
     if failsafe == Failsafe::Fence {
         rig.run(2.5);

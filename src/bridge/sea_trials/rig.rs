@@ -235,8 +235,8 @@ impl Rig {
         self.sitl.advance(self.now);
         while let Some((link, bytes)) = self.sitl.poll_transmit() {
             match link {
-                TO_BRIDGE => self.to_bridge(&bytes),
-                _ => self.to_station(&bytes),
+                TO_BRIDGE => self.tell_bridge(&bytes),
+                _ => self.tell_station(&bytes),
             }
         }
         self.turn_bridge();
@@ -270,7 +270,7 @@ impl Rig {
         }
     }
 
-    fn to_bridge(&mut self, bytes: &[u8]) {
+    fn tell_bridge(&mut self, bytes: &[u8]) {
         let Some(bridge) = self.bridge.as_mut().filter(|_| !self.cut) else { return };
         let Some(tamper) = &mut self.tamper else {
             return bridge.on_bytes(self.now, TO_BRIDGE, bytes, false);
@@ -286,7 +286,7 @@ impl Rig {
         }
     }
 
-    fn to_station(&mut self, bytes: &[u8]) {
+    fn tell_station(&mut self, bytes: &[u8]) {
         self.framers[2].push(bytes);
         while let Some(frame) = self.framers[2].next_frame() {
             let Ok(message) = frame.decode() else { continue };

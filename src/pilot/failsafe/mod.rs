@@ -15,6 +15,6 @@ pub mod table;
 pub mod watch;
 
 pub use fence::Fence;
-pub use settings::{FailsafeError, FailsafeSettings, Rule};
+pub use settings::{FailsafeError, FailsafeOption, FailsafeSettings, Rule};
 pub use table::{Action, DEFINITIONS, Definition, Failsafe};
 pub use watch::{Observation, PositionFix, Trip, Verdict, Watch};

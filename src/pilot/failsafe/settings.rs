@@ -1,5 +1,7 @@
 //! What the user may change about the failsafes.
 
+use std::str::FromStr;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -45,6 +47,37 @@ pub enum FailsafeError {
         /// What could be.
         allowed: String,
     },
+}
+
+/// One failsafe's rule as a word: `KEY=LIMIT`, `KEY=ACTION` or `KEY=LIMIT:ACTION`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FailsafeOption(pub Failsafe, pub Rule);
+
+impl FromStr for FailsafeOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let help = || {
+            let keys = DEFINITIONS.map(|definition| definition.key).join(", ");
+            format!("`{text}` is not KEY=LIMIT, KEY=ACTION or KEY=LIMIT:ACTION with a key of {keys}")
+        };
+        let (key, value) = text.split_once('=').ok_or_else(help)?;
+        let definition = DEFINITIONS.iter().find(|definition| definition.key == key).ok_or_else(help)?;
+        let mut rule = Rule::default();
+        for word in value.split(':') {
+            if let Ok(limit) = word.parse() {
+                rule.limit = Some(limit);
+            } else {
+                let action = Action::ALL.into_iter().find(|action| action.name() == word);
+                rule.action = Some(action.ok_or_else(|| {
+                    let actions = Action::ALL.map(Action::name).join(", ");
+                    format!("`{word}` is neither a limit nor one of {actions}")
+                })?);
+            }
+        }
+        check(definition, &rule).map_err(|error| error.to_string())?;
+        Ok(Self(definition.failsafe, rule))
+    }
 }
 
 impl FailsafeSettings {
@@ -116,6 +149,33 @@ mod tests {
             assert_eq!(again, settings);
         }
         assert!(toml::from_str::<FailsafeSettings>("[battery]\nlimits = 1\n").is_err());
+    }
+
+    #[test]
+    fn the_documentation_tells_the_truth() {
+        let documentation = include_str!("../../../docs/safety.md");
+        for Definition { key, limit, unit, action, allowed, watches, .. } in DEFINITIONS {
+            let limit = if unit.is_empty() { "none".to_owned() } else { format!("{limit} {unit}") };
+            let others: Vec<_> = allowed.iter().filter(|other| **other != action).map(|a| a.name()).collect();
+            let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
+            let row = format!("| `{key}` | {watches} | {limit} | {action} | {others} |");
+            assert!(documentation.contains(&row), "docs/safety.md needs the line\n{row}");
+        }
+    }
+
+    #[test]
+    fn a_rule_can_be_given_as_a_word() {
+        let read = |text: &str| text.parse::<FailsafeOption>();
+        let rule = |limit, action| Rule { limit, action };
+        let expected = rule(Some(20.0), Some(Action::ReturnToLaunch));
+        assert_eq!(read("battery=20:return-to-launch"), Ok(FailsafeOption(Failsafe::Battery, expected)));
+        let expected = rule(None, Some(Action::HoldPosition));
+        assert_eq!(read("ground-station=hold-position").unwrap().1, expected);
+        assert_eq!(read("cross-track=8").unwrap().1, rule(Some(8.0), None));
+        for wrong in ["battery", "batery=3", "battery=maybe", "battery=101", "position-age=warn", "battery="]
+        {
+            assert!(!read(wrong).unwrap_err().is_empty(), "{wrong}");
+        }
     }
 
     #[test]

@@ -22,6 +22,10 @@ pub enum Action {
 }
 
 impl Action {
+    /// Every action, the mildest first.
+    pub const ALL: [Self; 5] =
+        [Self::Warn, Self::ReturnToLaunch, Self::HoldPosition, Self::NeutralAndRelease, Self::LetGo];
+
     /// The name in configuration files and in the documentation.
     pub fn name(self) -> &'static str {
         match self {

@@ -69,11 +69,12 @@ pub fn warnings(kind: OutputKind, twin_thrusters: bool, parameters: &ParameterRe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vehicle::output::PARAMETERS;
+    use crate::vehicle::output::{OPTIONAL_PARAMETERS, PARAMETERS};
     use helmlink_wire::dialect::{CharArray, PARAM_VALUE_DATA};
 
     fn with(values: &[(&str, f32)]) -> ParameterReader {
         let mut parameters = ParameterReader::new(&PARAMETERS);
+        parameters.wish_for(&OPTIONAL_PARAMETERS);
         for &(name, param_value) in values {
             let param_id = CharArray::from(name);
             parameters.on_value(&PARAM_VALUE_DATA { param_id, param_value, ..PARAM_VALUE_DATA::DEFAULT });

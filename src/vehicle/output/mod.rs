@@ -55,15 +55,13 @@ const THROTTLE_STEPS: f64 = 100.0;
 
 /// The parameters that [`Output::configure`] and [`checks`] read; those of the channels in use come on top:
 /// [`channel_parameters`].
-pub const PARAMETERS: [&str; 14] = [
-    "SYSID_MYGCS",
-    "RCMAP_ROLL",
-    "RCMAP_THROTTLE",
-    "RC_OVERRIDE_TIME",
+pub const PARAMETERS: [&str; 6] =
+    ["SYSID_MYGCS", "RCMAP_ROLL", "RCMAP_THROTTLE", "RC_OVERRIDE_TIME", "WP_SPEED", "CRUISE_SPEED"];
+
+/// Parameters that are looked at where the vehicle has them.
+pub const OPTIONAL_PARAMETERS: [&str; 8] = [
     "PILOT_STEER_TYPE",
     "MANUAL_STR_EXPO",
-    "WP_SPEED",
-    "CRUISE_SPEED",
     "FS_GCS_ENABLE",
     "FS_GCS_TIMEOUT",
     "SERVO1_FUNCTION",
