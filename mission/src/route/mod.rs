@@ -132,10 +132,13 @@ impl Route {
     pub fn length_m(&self) -> f64 {
         let legs_m: f64 =
             self.waypoints.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum();
+        legs_m + self.circles_m()
+    }
+
+    /// Length of the turns around places, metres.
+    pub fn circles_m(&self) -> f64 {
         let circles = self.waypoints.iter().filter_map(|waypoint| waypoint.circle);
-        let circles_m: f64 =
-            circles.map(|circle| circle.turns * std::f64::consts::TAU * circle.radius_m).sum();
-        legs_m + circles_m
+        circles.map(|circle| circle.turns * std::f64::consts::TAU * circle.radius_m).sum()
     }
 }
 
