@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod ardupilot_json;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -9,11 +10,15 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod guarded;
 mod mission;
 mod paced_sitl;
+mod parameter_file;
 mod result;
+mod scenario;
 mod simulate;
 mod sitl;
+mod state_dir;
 mod trial;
 mod world;
 

@@ -91,6 +91,8 @@ pub struct MissionRun {
     waypoints: Vec<NorthEast>,
     boat: Boat,
     settings: RunSettings,
+    /// Speed that wins over the mission's, m/s.
+    speed_mps: Option<f64>,
     helm: Helm,
     phase: Phase,
     next: usize,
@@ -144,6 +146,7 @@ impl MissionRun {
             waypoints,
             boat,
             settings,
+            speed_mps: None,
             helm,
             phase: Phase::ToStart,
             next: 0,
@@ -374,6 +377,26 @@ impl MissionRun {
         Ok(())
     }
 
+    /// Takes over other gains and another usual speed. True when the controller had to be made anew, and has to be
+    /// engaged again: what it has learned is kept only by a law that can take over gains.
+    pub fn retune(&mut self, boat: &Boat, settings: RunSettings, gains_changed: bool) -> bool {
+        self.settings = settings;
+        if !gains_changed {
+            return false;
+        }
+        self.boat = boat.clone();
+        let kept = self.helm.retune(boat);
+        if !kept {
+            self.helm = Helm::with_controller(boat, settings.controller, EndOfPath::Stop);
+        }
+        !kept
+    }
+
+    /// Drives at this speed over ground from now on, whatever the mission says, m/s; `None` gives the mission its say back.
+    pub fn set_speed(&mut self, speed_mps: Option<f64>) {
+        self.speed_mps = speed_mps;
+    }
+
     /// The next waypoint is where the boat has just arrived: it has not to touch the place once more.
     fn is_same_place_again(&self) -> bool {
         let Some(arrived) = self.arrived_at else { return false };
@@ -390,7 +413,7 @@ impl MissionRun {
     /// The speed wanted on the leg to the next waypoint.
     fn leg_speed_mps(&self, astern: bool) -> f64 {
         let given = self.route.waypoints.get(self.next).and_then(|waypoint| waypoint.speed_mps);
-        let given = self.tasks.speed_mps().unwrap_or(given);
+        let given = self.speed_mps.or(self.tasks.speed_mps().unwrap_or(given));
         let most_mps = self.boat.limits.speed_max_mps * if astern { ASTERN_SPEED_PART } else { 1.0 };
         given.unwrap_or(self.settings.speed_mps).min(most_mps)
     }

@@ -140,7 +140,7 @@ fn transfer(sitl: &mut Sitl, tasks: Vec<Task>, radio: Radio, seed: u64) -> Resul
     session.begin(tasks);
     let link = LinkId(LINK.0 + seed as u32);
     sitl.link_up(link);
-    session.link_up(Duration::ZERO, link);
+    session.join(Duration::ZERO, link);
     let (mut up, mut down) = (Air::new(radio, seed), Air::new(radio, seed + 1000));
     let start = sitl.now();
     // Longer than any transfer may take before it has to say that it failed.

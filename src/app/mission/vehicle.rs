@@ -16,7 +16,7 @@ use super::super::cli::Common;
 use super::super::console::ProgressLine;
 use super::super::edge::{Edge, Party};
 use super::super::failure::Failure;
-use crate::link::{Hub, LinkSettings, LinkUrl};
+use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::vehicle::Mode;
 use crate::vehicle::telemetry::{Sender, classify};
 
@@ -99,6 +99,13 @@ impl Session {
             last_heartbeat: None,
             may_begin: false,
         }
+    }
+
+    /// A way to the flight controller is there.
+    pub(super) fn join(&mut self, now: Duration, link: LinkId) {
+        self.link = Some(link);
+        self.last_heartbeat = None;
+        self.work(now);
     }
 
     /// Makes these transfers, one after the other.
@@ -229,10 +236,8 @@ fn is_passing(error: &TransferError) -> bool {
 }
 
 impl Party for Session {
-    fn link_up(&mut self, now: Duration, link: LinkId) {
-        self.link = Some(link);
-        self.last_heartbeat = None;
-        self.work(now);
+    fn link_up(&mut self, now: Duration, link: LinkId, _endpoint: EndpointId) {
+        self.join(now, link);
     }
 
     fn link_down(&mut self, _now: Duration, link: LinkId) {
