@@ -66,7 +66,15 @@ fn install(folder: &Path) {
     must_work(
         Command::new(folder.join("bin/python"))
             // Not what the packages would draw in (MAVProxy: OpenCV, VTK, ...): the list has all that is used.
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--prefer-binary"])
+            .args([
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--disable-pip-version-check",
+                "--no-deps",
+                "--prefer-binary",
+            ])
             .args(["--requirement".as_ref(), list.as_os_str()]),
         "pip could not install the ground stations that the tests run (tests/clients/requirements.txt): the first \
          run of the tests needs a package index; check the network, or pip's settings for a mirror or a proxy",
