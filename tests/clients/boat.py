@@ -4,7 +4,6 @@ Everything waits for a condition. PATIENCE only decides how long a hopeless wait
 """
 
 import math
-import os
 import time
 
 from pymavlink import mavutil, mavwp
@@ -103,10 +102,10 @@ def is_armed(heartbeat):
     return bool(heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
 
 
-def plan(name):
-    """The items of a sample mission, home included, as MISSION_ITEM_INT messages."""
+def plan(path):
+    """The items of a mission file, home included."""
     loader = mavwp.MAVWPLoader(1, 1)
-    loader.load(os.path.join(os.environ["HELMLINK_PLANS"], name))
+    loader.load(path)
     return [loader.wp(index) for index in range(loader.count())]
 
 

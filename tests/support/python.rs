@@ -20,7 +20,7 @@ impl Script {
         let mut command = Command::new(environment().join("bin/python"));
         // -u: a line must be seen when it is printed; -B: no byte code between the sources.
         command.args(["-u", "-B"]).arg(path).args(arguments);
-        command.env("MAVLINK20", "1").env("HELMLINK_PLANS", plans());
+        command.env("MAVLINK20", "1");
         Process::start(&format!("{script} {}", arguments.join(" ")), &mut command)
     }
 
@@ -28,11 +28,6 @@ impl Script {
     pub fn run(script: &str, arguments: &[&str]) -> String {
         Self::start(script, arguments).succeed()
     }
-}
-
-/// The folder with the sample missions.
-fn plans() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("mission/plans")
 }
 
 /// The virtual environment, installed when it is not there or when the pinned packages have changed.
