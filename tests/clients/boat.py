@@ -17,8 +17,9 @@ ANSWER = 1.0
 EARTH_M = 6_371_000.0
 
 
-def connect(address, system=255, component=mavlink.MAV_COMP_ID_MISSIONPLANNER):
+def connect(address, rate_hz=10):
     """A connection to the boat at `address`, in pymavlink's words (tcp:HOST:PORT, udpout:HOST:PORT, ...)."""
+    system, component = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
     connection = mavutil.mavlink_connection(address, source_system=system, source_component=component)
     # A UDP listener hears nobody who has not spoken.
     deadline = time.monotonic() + PATIENCE
@@ -26,7 +27,7 @@ def connect(address, system=255, component=mavlink.MAV_COMP_ID_MISSIONPLANNER):
         say_hello(connection)
         connection.wait_heartbeat(timeout=ANSWER)
         assert time.monotonic() < deadline, f"no heartbeat on {address}"
-    connection.mav.request_data_stream_send(1, 1, mavlink.MAV_DATA_STREAM_ALL, 10, 1)
+    connection.mav.request_data_stream_send(1, 1, mavlink.MAV_DATA_STREAM_ALL, rate_hz, 1)
     return connection
 
 
