@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`settings`] | what the user decides beforehand |
 //! | [`status`] | what the bridge tells its surroundings |
+//! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
 //! | `commands` | commands to the bridge itself |
@@ -16,6 +17,7 @@
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
+pub mod controller_state;
 mod follow;
 mod links;
 mod mission;
@@ -497,8 +499,8 @@ impl Bridge {
                     .speed_mps
                     .or_else(|| output::full_speed_mps(&self.parameters))
                     .unwrap_or(self.settings.boat.limits.cruise_mps);
-                self.run =
-                    Some(MissionRun::new(route, self.settings.boat.clone(), RunSettings { speed_mps }));
+                let settings = RunSettings { speed_mps, controller: self.settings.controller };
+                self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.event(enums::MAV_SEVERITY_INFO, text);
             }
             Some(News::Unusable(text)) => {
