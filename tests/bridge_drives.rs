@@ -5,7 +5,8 @@
 
 mod support;
 
-use support::{Helmlink, Process, Script};
+use support::process::Process;
+use support::{Helmlink, Script};
 
 /// A mission of four waypoints, 60 m long.
 const PLAN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/short-survey.waypoints");

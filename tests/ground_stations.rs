@@ -18,13 +18,13 @@ fn boat(scheme: &str, speedup: &str) -> (Helmlink, String) {
 
 #[test]
 fn pymavlink_runs_a_mission_over_tcp() {
-    let (_boat, address) = boat("tcpin", "20");
+    let (_boat, address) = boat("tcpin", "10");
     Script::run("pymavlink_mission.py", &[&format!("tcp:{address}"), LONG]);
 }
 
 #[test]
 fn pymavlink_runs_a_mission_over_udp() {
-    let (_boat, address) = boat("udpin", "20");
+    let (_boat, address) = boat("udpin", "10");
     Script::run("pymavlink_mission.py", &[&format!("udpout:{address}"), SHORT]);
 }
 

@@ -17,7 +17,7 @@ ANSWER = 1.0
 EARTH_M = 6_371_000.0
 
 
-def connect(address, rate_hz=10):
+def connect(address, rate_hz=4):
     """A connection to the boat at `address`, in pymavlink's words (tcp:HOST:PORT, udpout:HOST:PORT, ...)."""
     system, component = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
     connection = mavutil.mavlink_connection(address, source_system=system, source_component=component)

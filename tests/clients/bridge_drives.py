@@ -25,7 +25,7 @@ class Drive:
     """What the bridge sends while it drives, and where the boat goes."""
 
     def __init__(self, kind, station, boat_address, plan):
-        self.station = boat.connect(station, rate_hz=4)
+        self.station = boat.connect(station)
         self.waypoints = [boat.as_int(item, index) for index, item in enumerate(boat.plan(plan))][1:]
         self.nearest_m = [float("inf")] * len(self.waypoints)
         self.item = 0
