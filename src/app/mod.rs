@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod ardupilot_json;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -11,7 +12,9 @@ mod failure;
 mod ground_station;
 mod mission;
 mod paced_sitl;
+mod parameter_file;
 mod result;
+mod scenario;
 mod simulate;
 mod sitl;
 mod trial;
