@@ -1,8 +1,9 @@
 """pymavlink prepares a boat, `helmlink bridge` drives it through a relay, and every frame is looked at.
 
-    bridge_drives.py finish|takeover|interrupt udp|tcp|pty STATION-ADDRESS BOAT-ADDRESS PLAN
+    bridge_drives.py finish|takeover|interrupt|killed|orphaned udp|tcp|pty STATION BOAT PLAN NEAR
 
-Prints `connect URL` when the bridge may be started, and `interrupt` when it shall be stopped by Ctrl-C.
+STATION and BOAT are addresses of the boat, NEAR is how near to each waypoint it has to come in metres: it rounds the
+corners. Prints `connect URL` when the bridge may be started, and `now` when it shall be ended.
 """
 
 import sys
@@ -12,24 +13,27 @@ import boat
 from boat import mavlink
 from relay import Relay, is_neutral, is_release, is_steering
 
-NEAR_M = 2.0
-"""How near to each waypoint the boat has to come: it rounds the corners."""
+STOPPED_S = 4.0
+"""Seconds of the boat's time after the last command within which its outputs are at rest: RC_OVERRIDE_TIME is 3 s."""
+REST = 1500
+"""Pulse width of an output at rest, microseconds."""
 LATER = 3
 """Heartbeats of the bridge during which it may not send anything more."""
-ONE_STEP = 1
-"""Frames that may have been under way when the news arrived: what is sent in one control period."""
 GLANCE = 0.05
+SEEN = ["GLOBAL_POSITION_INT", "MISSION_CURRENT", "SERVO_OUTPUT_RAW", "PARAM_VALUE"]
 
 
 class Drive:
     """What the bridge sends while it drives, and where the boat goes."""
 
-    def __init__(self, kind, station, boat_address, plan):
+    def __init__(self, kind, station, boat_address, plan, near):
         self.station = boat.connect(station)
         self.waypoints = [boat.as_int(item, index) for index, item in enumerate(boat.plan(plan))][1:]
+        self.near_m = float(near)
         self.nearest_m = [float("inf")] * len(self.waypoints)
         self.item = 0
         self.steering = []
+        self.outputs = []
         self.beats = {"boat": 0, "bridge": 0}
         self.mode = None
         boat.upload(self.station, boat.plan(plan))
@@ -48,10 +52,12 @@ class Drive:
                 self.beats[side] += 1
                 if side == "boat":
                     self.mode = message.custom_mode
-        while message := self.station.recv_match(type=["GLOBAL_POSITION_INT", "MISSION_CURRENT"], blocking=False):
+        while message := self.station.recv_match(type=SEEN, blocking=False):
             if message.get_type() == "MISSION_CURRENT":
                 self.item = message.seq
-            else:
+            elif message.get_type() == "SERVO_OUTPUT_RAW":
+                self.outputs.append(message)
+            elif message.get_type() == "GLOBAL_POSITION_INT":
                 for index, waypoint in enumerate(self.waypoints):
                     off_m = boat.distance_m(waypoint.x, waypoint.y, message.lat, message.lon)
                     self.nearest_m[index] = min(self.nearest_m[index], off_m)
@@ -64,11 +70,6 @@ class Drive:
             assert time.monotonic() < deadline, f"waited in vain for {what}; item {self.item}, {self.steering[-3:]}"
             self.look()
 
-    def heartbeats_later(self):
-        """Lets some heartbeats of the bridge pass."""
-        wanted = self.beats["bridge"] + LATER
-        self.until(lambda: self.beats["bridge"] >= wanted, "heartbeats of the bridge")
-
 
 def finish(drive):
     """The whole mission: every waypoint is passed, then the boat is let go in HOLD."""
@@ -76,7 +77,7 @@ def finish(drive):
     drive.until(lambda: drive.mode == hold and drive.steering, "HOLD at the end")
     drive.until(lambda: is_release(drive.steering[-1]), "the release")
     print("nearest to the waypoints: " + ", ".join(f"{off_m:.2f} m" for off_m in drive.nearest_m))
-    assert max(drive.nearest_m) < NEAR_M, drive.nearest_m
+    assert max(drive.nearest_m) < drive.near_m, drive.nearest_m
     assert drive.item == len(drive.waypoints), f"the ground station saw item {drive.item} last"
     assert all(message.get_srcSystem() == 255 for message in drive.steering), "overrides need SYSID_MYGCS"
     neutral = [message for message in drive.steering[-50:] if is_neutral(message)]
@@ -84,51 +85,73 @@ def finish(drive):
 
 
 def takeover(drive):
-    """The pilot changes the mode under way: with the next heartbeat the bridge lets go, within one control period."""
+    """The pilot changes the mode under way: the bridge lets go, and sends nothing more."""
     drive.until(lambda: drive.item >= 2, "being under way to item 2")
-    mode = drive.station.mode_mapping()["STEERING"]
-    drive.station.mav.command_long_send(1, 1, mavlink.MAV_CMD_DO_SET_MODE, 0, 1, mode, 0, 0, 0, 0, 0)
-    def tells_the_mode(message):
-        return message.get_type() == "HEARTBEAT" and boat.of_boat(message) and message.custom_mode == mode
-
-    drive.relay.hold = tells_the_mode
-    after, deadline = None, time.monotonic() + boat.PATIENCE
-    while after is None or not any(is_release(message) for message in after):
-        assert time.monotonic() < deadline, f"not let go; after the heartbeat came {after}"
-        for side, message in drive.look():
-            if after is not None and side == "bridge" and is_steering(message):
-                after.append(message)
-            elif after is None and side == "boat" and tells_the_mode(message):
-                after, told = [], time.monotonic()
-    released_ms = (time.monotonic() - told) * 1000
-    drive.relay.hold = lambda message: False
-    driving = [message for message in after if not is_release(message)]
-    print(f"let go {released_ms:.1f} ms after the heartbeat, {len(driving)} steering frames in between")
-    assert len(driving) <= ONE_STEP, driving
-    assert_silence(drive)
+    boat.set_mode(drive.station, "STEERING")
+    drive.until(lambda: is_release(drive.steering[-1]), "the release")
+    sent = len(drive.steering)
+    wanted = drive.beats["bridge"] + LATER
+    drive.until(lambda: drive.beats["bridge"] >= wanted, "heartbeats of the bridge")
+    late = [message for message in drive.steering[sent:] if not is_release(message)]
+    assert not late, f"steered after letting go: {late}"
 
 
 def interrupt(drive):
     """Ctrl-C under way: motors neutral, then released, then nothing: the bridge ends."""
     drive.until(lambda: drive.item >= 2, "being under way to item 2")
-    print("interrupt")
+    print("now")
     drive.until(lambda: is_release(drive.steering[-1]), "the release")
     *before, last = [message for message in drive.steering if not is_release(message)]
     assert is_neutral(last), f"let go while driving: {last}"
     assert not all(is_neutral(message) for message in before[-200:]), "the boat was not driving"
 
 
-def assert_silence(drive):
-    """Nothing but releases comes after a release."""
-    sent = len(drive.steering)
-    drive.heartbeats_later()
-    late = [message for message in drive.steering[sent:] if not is_release(message)]
-    assert not late, f"steered after letting go: {late}"
+def killed(drive):
+    """The bridge vanishes under way: the flight controller forgets its overrides and the receiver's sticks count."""
+    drive.until(lambda: drive.item >= 2, "being under way to item 2")
+    print(f"outputs at rest {rest_after_s(drive):.2f} s after the last command")
+    assert drive.mode == drive.station.mode_mapping()["MANUAL"], f"mode {drive.mode}"
+
+
+def orphaned(drive):
+    """The same without a receiver: the flight controller's radio failsafe stops the boat in HOLD."""
+    drive.until(lambda: drive.item >= 2, "being under way to item 2")
+    drive.station.param_set_send("SIM_RC_FAIL", 1)
+    drive.until(lambda: drive.station.params.get("SIM_RC_FAIL") == 1, "the receiver being gone")
+    print(f"outputs at rest {rest_after_s(drive):.2f} s after the last command")
+    hold = drive.station.mode_mapping()["HOLD"]
+    drive.until(lambda: drive.mode == hold, "the radio failsafe")
+
+
+def rest_after_s(drive):
+    """Has the bridge ended; returns how long after its last command the outputs came to rest, in the boat's time."""
+    outputs = drive.outputs
+    print("now")
+    drive.until(lambda: drive.relay.hung_up, "the bridge being gone")
+    last_us = outputs[-1].time_usec if outputs else 0
+    drive.until(lambda: outputs and at_rest(outputs[-1]) and outputs[-1].time_usec > last_us, "outputs at rest")
+    took_s = (outputs[-1].time_usec - last_us) / 1e6
+    assert took_s <= STOPPED_S, f"{took_s:.2f} s until the outputs were at rest"
+    return took_s
+
+
+def at_rest(output):
+    """Steering and throttle of the boat's outputs are at rest."""
+    return output.servo1_raw == REST and output.servo3_raw == REST
+
+
+SCENES = {
+    "finish": finish,
+    "takeover": takeover,
+    "interrupt": interrupt,
+    "killed": killed,
+    "orphaned": orphaned,
+}
 
 
 def main():
-    what, kind, station, boat_address, plan = sys.argv[1:]
-    {"finish": finish, "takeover": takeover, "interrupt": interrupt}[what](Drive(kind, station, boat_address, plan))
+    what, *scene = sys.argv[1:]
+    SCENES[what](Drive(*scene))
     print("as it should be")
 
 

@@ -9,8 +9,6 @@ import tty
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 PIECE = 4096
-QUIET = 0.15
-"""Seconds without a frame after which the bridge has answered everything it has heard."""
 STEERING = ("RC_CHANNELS_OVERRIDE", "MANUAL_CONTROL", "SET_ATTITUDE_TARGET", "SET_POSITION_TARGET_LOCAL_NED")
 
 
@@ -22,7 +20,7 @@ class Relay:
         host, port = boat.rsplit(":", 1)
         self.kind = kind
         self.peer = None
-        self.hold = lambda message: False
+        self.hung_up = False
         if kind == "udp":
             self.boat = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self.near = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -50,19 +48,14 @@ class Relay:
             self.near, _ = self.listener.accept()
 
     def carry(self, seconds):
-        """Carries what comes within `seconds`; returns it as (side, message) in the order it went through.
-
-        A frame of the boat's for which `hold` is true is kept back until the bridge has answered all before it, so
-        that what comes afterwards was sent by a bridge that knew of it.
-        """
-        ready, _, _ = select.select([self.near, self.boat], [], [], seconds)
+        """Carries what comes within `seconds`; returns it as (side, message) in the order it went through."""
+        ends = [self.boat] if self.hung_up else [self.near, self.boat]
+        ready, _, _ = select.select(ends, [], [], seconds)
         passed = []
         if self.near in ready:
             passed += self.from_bridge()
         if self.boat in ready:
             for message in self.parsers["boat"].parse_buffer(self.boat.recv(PIECE)) or []:
-                while self.hold(message) and select.select([self.near], [], [], QUIET)[0]:
-                    passed += self.from_bridge()
                 self.write_near(message.get_msgbuf())
                 passed.append(("boat", message))
         return passed
@@ -70,6 +63,7 @@ class Relay:
     def from_bridge(self):
         """Carries what the bridge has said."""
         data = self.read_near()
+        self.hung_up = not data
         if data:
             self.boat.sendall(data)
         return [("bridge", message) for message in self.parsers["bridge"].parse_buffer(data) or []]
