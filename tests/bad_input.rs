@@ -1,5 +1,7 @@
 //! What users get wrong: each mistake gets one clear line that names the cause and the fix, and the right exit code.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod support;
 
 use std::io::Write;

@@ -2,6 +2,7 @@
 //! pseudo-terminal: the whole mission, the pilot taking over in the middle, Ctrl-C, and its sudden death.
 
 #![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 

@@ -1,6 +1,7 @@
 //! Real ground-station programs against `helmlink sitl`: what their users do, from connecting to the way home.
 
 #![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 

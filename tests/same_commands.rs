@@ -1,5 +1,7 @@
 //! The same mission and seed give the same commands, byte for byte, whichever way the bytes go.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod support;
 
 use std::time::Duration;
