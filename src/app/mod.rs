@@ -10,6 +10,7 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod guarded;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
@@ -17,6 +18,7 @@ mod result;
 mod scenario;
 mod simulate;
 mod sitl;
+mod state_dir;
 mod trial;
 mod world;
 
