@@ -7,6 +7,8 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
+use super::config_command::ConfigCommand;
+use super::console::LogFormat;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
 use super::simulate::SimulateArgs;
@@ -46,6 +48,9 @@ pub enum Command {
     /// Look at mission files
     #[command(subcommand)]
     Mission(MissionCommand),
+    /// Show, check and describe configuration files
+    #[command(subcommand)]
+    Config(ConfigCommand),
 }
 
 /// Options that every subcommand has.
@@ -60,6 +65,9 @@ pub struct Common {
     /// Say only what went wrong
     #[arg(short, long)]
     pub quiet: bool,
+    /// How messages are written: as text, or as one JSON object a line
+    #[arg(long, default_value = "text", value_name = "text|json")]
+    pub log_format: LogFormat,
     /// Read options from a TOML file; its tables are named after the subcommands
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -78,6 +86,7 @@ impl Command {
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
             Self::Mission(command) => command.common(),
+            Self::Config(command) => command.common(),
         }
     }
 }

@@ -6,7 +6,7 @@ use helmlink_wire::LinkId;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
 use crate::bridge::Bridge;
-use crate::link::{EndpointId, Hub, LinkEvent};
+use crate::link::{EndpointId, Hub, LinkEvent, Traffic};
 
 /// Bytes put into one write at the most, so that a datagram stays below the usual path limit.
 const WRITE_LIMIT: usize = 1400;
@@ -57,6 +57,8 @@ pub struct Edge<P> {
     pub party: P,
     hub: Hub,
     start: Instant,
+    /// When the latest turn had something to do.
+    began: Duration,
     ticker: Interval,
     write: Vec<u8>,
 }
@@ -74,12 +76,22 @@ impl<P: Party> Edge<P> {
     pub fn new(party: P, hub: Hub, tick: Duration) -> Self {
         let mut ticker = interval(tick);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        Self { party, hub, start: Instant::now(), ticker, write: Vec::new() }
+        Self { party, hub, start: Instant::now(), began: Duration::ZERO, ticker, write: Vec::new() }
     }
 
     /// Time since the start.
     pub fn now(&self) -> Duration {
         self.start.elapsed()
+    }
+
+    /// When the latest turn took its first event or tick, on the same clock.
+    pub fn began(&self) -> Duration {
+        self.began
+    }
+
+    /// What every link that is up has carried.
+    pub fn traffic(&self) -> Vec<(LinkId, Traffic)> {
+        self.hub.all_traffic()
     }
 
     /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
@@ -88,13 +100,17 @@ impl<P: Party> Edge<P> {
         tokio::select! {
             biased;
             event = self.hub.next_event() => {
+                self.began = self.start.elapsed();
                 seen = self.handle(event);
                 for _ in 1..EVENTS_PER_TURN {
                     let Some(event) = self.hub.try_next_event() else { break };
                     seen = self.handle(event).or(seen);
                 }
             }
-            _ = self.ticker.tick() => self.party.on_tick(self.start.elapsed()),
+            _ = self.ticker.tick() => {
+                self.began = self.start.elapsed();
+                self.party.on_tick(self.began);
+            }
         }
         self.flush();
         seen

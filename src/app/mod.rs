@@ -4,12 +4,15 @@ mod bridge;
 pub mod cli;
 mod compare;
 mod config;
+mod config_command;
+mod config_schema;
 mod console;
 mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
 mod guarded;
+mod metrics;
 mod mission;
 mod paced_sitl;
 mod result;
@@ -56,7 +59,7 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
     };
     let cli = Cli::from_arg_matches(&matches).map_err(Failure::usage)?;
     if cli.command.common().dry_run {
-        console::say(&config::describe(&first, &matches));
+        console::say(config::describe(&first, &matches, cli.command.common().json).trim_end());
         return Ok(None);
     }
     Ok(Some(cli))
@@ -79,6 +82,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Mission(command) => mission::run(&command),
+        Command::Config(command) => config_command::run(&command),
     }
 }
 

@@ -151,6 +151,11 @@ impl Hub {
         self.shared.registry.outbox(link).map(|outbox| outbox.traffic())
     }
 
+    /// What every link that is up has carried so far.
+    pub fn all_traffic(&self) -> Vec<(LinkId, Traffic)> {
+        self.shared.registry.traffic()
+    }
+
     /// Closes every endpoint: waiting bytes are written for at most [`LinkSettings::flush`], then all
     /// sockets and devices are closed and all tasks have ended.
     pub async fn close(mut self) {

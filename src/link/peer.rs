@@ -38,6 +38,10 @@ impl Registry {
         lock(&self.peers).get(&link).cloned()
     }
 
+    pub(super) fn traffic(&self) -> Vec<(LinkId, Traffic)> {
+        lock(&self.peers).iter().map(|(link, outbox)| (*link, outbox.traffic())).collect()
+    }
+
     fn insert(&self, outbox: Arc<Outbox>) -> LinkId {
         let link = LinkId(self.next.fetch_add(1, Ordering::Relaxed));
         lock(&self.peers).insert(link, outbox);
