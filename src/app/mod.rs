@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod ardupilot_json;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -15,7 +16,9 @@ mod guarded;
 mod metrics;
 mod mission;
 mod paced_sitl;
+mod parameter_file;
 mod result;
+mod scenario;
 mod simulate;
 mod sitl;
 mod state_dir;

@@ -15,8 +15,11 @@
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
 //! | `observing` | what the failsafes see |
 //! | `fence` | gets the fence |
+//! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
+//! | [`parameters`] | the bridge's own parameters |
+//! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
@@ -27,10 +30,13 @@ mod links;
 mod mission;
 mod observing;
 pub mod pace;
+pub mod parameters;
 mod reporting;
+mod routing;
 pub mod settings;
 pub mod status;
 mod steering;
+mod timesync;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -47,8 +53,11 @@ use self::follow::CurrentItem;
 use self::links::Links;
 use self::mission::{MissionKeeper, News};
 use self::observing::Observer;
+use self::parameters::Tunables;
+use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use self::timesync::TimeSync;
 use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
@@ -65,6 +74,8 @@ const HOUSEKEEPING: Duration = Duration::from_millis(10);
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 /// A flight controller that shows up on another link is followed there when the old link has been silent this long.
 const MOVE_AFTER_S: f64 = 3.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
 const EVENT_LIMIT: usize = 1000;
 
@@ -97,6 +108,10 @@ pub struct Bridge {
     supervisor: Supervisor,
     watch: Watch,
     observer: Observer,
+    timesync: TimeSync,
+    parameter_service: ParameterService,
+    /// The parameters as the bridge was started with, saved ones left out.
+    factory: Tunables,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
@@ -105,7 +120,9 @@ pub struct Bridge {
 
 impl Bridge {
     /// A bridge that has not heard anything yet.
-    pub fn new(settings: BridgeSettings) -> Self {
+    pub fn new(mut settings: BridgeSettings) -> Self {
+        let factory = settings.tunables();
+        let complaints = settings.take_saved_parameters();
         let policy = Policy {
             drive_mode: settings.output.mode(),
             engage_mode: settings.engage_mode,
@@ -135,12 +152,18 @@ impl Bridge {
             supervisor: Supervisor::new(policy),
             watch: Watch::new(settings.failsafes.clone()),
             observer: Observer::default(),
+            timesync: TimeSync::default(),
+            parameter_service: ParameterService::default(),
+            factory,
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
             settings,
         };
+        for complaint in complaints {
+            bridge.event(enums::MAV_SEVERITY_WARNING, format!("saved parameter left out: {complaint}"));
+        }
         if bridge.settings.engage {
             bridge.request(Duration::ZERO, Request::Engage { patient: true }).ok();
         }
@@ -236,6 +259,7 @@ impl Bridge {
             diagnostics: self.steering.diagnostics,
             steps: self.steering.steps,
             pace: self.steering.pace,
+            round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
     }
 
@@ -268,8 +292,16 @@ impl Bridge {
         Identity { system: vehicle.system, component: settings::COMPONENT }
     }
 
+    /// Every address that the bridge sends with.
+    fn own_addresses(&self) -> [Identity; 2] {
+        let own = self.own_or_default();
+        [own, self.settings.steering_identity(own)]
+    }
+
     fn drain(&mut self, link: LinkId) {
-        while let Some((from, message)) = self.links.next_message(self.driver_now, link) {
+        while let Some((from, message)) =
+            self.links.next_message(self.driver_now, link, &self.own_addresses())
+        {
             self.on_message(link, from, &message);
         }
     }
@@ -352,6 +384,11 @@ impl Bridge {
                 }
             }
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::TIMESYNC(data) => {
+                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
+                    self.links.send(self.driver_now, vehicle.link, own, &answer);
+                }
+            }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => {
                 self.mission.on_message(self.now, vehicle.id, message);
@@ -392,6 +429,7 @@ impl Bridge {
         {
             self.jump_to_item(*seq);
         }
+        self.on_parameter_message(link, from, message);
         let Some(command) = Command::from_message(message, own) else { return };
         let result = match command.order() {
             Order::Engage => {
@@ -410,10 +448,31 @@ impl Bridge {
                     enums::MAV_RESULT_DENIED
                 }
             }
+            Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
+            Order::LetGo => self.obey(Request::LetGo),
+            Order::ResetParameters => {
+                self.reset_parameters();
+                enums::MAV_RESULT_ACCEPTED
+            }
+            // Parameters are kept as they are set.
+            Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
+            // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
+            Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
         self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+    }
+
+    fn change_speed(&mut self, speed_mps: f64) -> u8 {
+        let most_mps = self.settings.boat.limits.speed_max_mps;
+        let Some(run) = self.run.as_mut().filter(|_| (LEAST_SPEED_MPS..=most_mps).contains(&speed_mps))
+        else {
+            return enums::MAV_RESULT_DENIED;
+        };
+        run.set_speed(Some(speed_mps));
+        self.event(enums::MAV_SEVERITY_INFO, format!("speed {speed_mps:.2} m/s from now on, as asked"));
+        enums::MAV_RESULT_ACCEPTED
     }
 
     fn obey(&mut self, request: Request) -> u8 {
@@ -458,6 +517,7 @@ impl Bridge {
         }
         self.last_housekeeping = Some(self.now);
         self.report();
+        self.send_parameter_list();
         self.take_mission_news();
         if let Some(vehicle) = self.vehicle {
             self.ask(vehicle);
@@ -472,6 +532,9 @@ impl Bridge {
         let (own, now) = (self.own(vehicle.id), self.driver_now);
         let Vehicle { link, id } = vehicle;
         while let Some(message) = self.streams.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+        if let Some(message) = self.timesync.poll(now, id) {
             self.links.send(now, link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
@@ -504,9 +567,7 @@ impl Bridge {
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
-        let failsafes =
-            observing::effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters);
-        self.watch.configure(failsafes);
+        self.watch.configure(self.failsafes_in_force());
         let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
         let obstacle = checks::obstacle(kind, system, &self.parameters);
@@ -532,11 +593,7 @@ impl Bridge {
         match self.mission.poll_news(self.now) {
             Some(News::Loaded(route)) => {
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
-                let speed_mps = self
-                    .settings
-                    .speed_mps
-                    .or_else(|| output::full_speed_mps(&self.parameters))
-                    .unwrap_or(self.settings.boat.limits.cruise_mps);
+                let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.event(enums::MAV_SEVERITY_INFO, text);
@@ -562,6 +619,14 @@ impl Bridge {
             }
             None => {}
         }
+    }
+
+    /// Speed over ground where the mission does not say, m/s.
+    fn usual_speed_mps(&self) -> f64 {
+        self.settings
+            .speed_mps
+            .or_else(|| output::full_speed_mps(&self.parameters))
+            .unwrap_or(self.settings.boat.limits.cruise_mps)
     }
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {
