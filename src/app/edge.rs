@@ -109,6 +109,7 @@ impl<P: Party> Edge<P> {
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
         if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
+            self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
             tokio::task::yield_now().await;
             for _ in 0..EVENTS_PER_TURN {
@@ -120,27 +121,26 @@ impl<P: Party> Edge<P> {
             return seen;
         }
         tokio::select! {
-                    biased;
-                    event = self.hub.next_event() => {
-                        self.began = self.start.elapsed();
-                        seen = self.handle(event);
-                        for _ in 1..EVENTS_PER_TURN {
-                            let Some(event) = self.hub.try_next_event() else { break };
-                            seen = self.handle(event).or(seen);
-                        }
-                        // A flood of events must not keep the party from its work.
-                        if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
-                            self.tick_party();
-                        }
+                biased;
+                event = self.hub.next_event() => {
+                    self.began = self.start.elapsed();
+                    seen = self.handle(event);
+                    for _ in 1..EVENTS_PER_TURN {
+                        let Some(event) = self.hub.try_next_event() else { break };
+                        seen = self.handle(event).or(seen);
                     }
-                    _ = self.ticker.tick() => {
-                        self.began = self.start.elapsed();
-                        self.party.on_tick(self.began);
+                    // A flood of events must not keep the party from its work.
+                    if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
+                        self.tick_party();
                     }
-        =======
-                    _ = self.ticker.tick() => if !self.is_crowded() { self.tick_party() },
-        >>>>>>> main
                 }
+                _ = self.ticker.tick() => {
+            self.began = self.start.elapsed();
+            if !self.is_crowded() {
+                self.tick_party();
+            }
+        }
+            }
         self.flush();
         seen
     }
