@@ -45,7 +45,7 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
-    /// Look at mission files
+    /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
     /// Show, check and describe configuration files
