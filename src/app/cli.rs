@@ -54,7 +54,7 @@ pub enum Command {
 }
 
 /// Options that every subcommand has.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Common {
     /// Print one JSON object on standard output
     #[arg(long)]
