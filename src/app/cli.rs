@@ -5,12 +5,14 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 
+use super::boat::BoatArgs;
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
+use super::tune::TuneArgs;
 
 /// Steers an uncrewed boat along its mission, or simulates one.
 #[derive(Debug, Parser)]
@@ -43,6 +45,10 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
+    /// Find gains by search in simulation
+    Tune(Box<TuneArgs>),
+    /// Write a boat file by rule, from length, top speed and turning circle
+    Boat(Box<BoatArgs>),
     /// Look at mission files
     #[command(subcommand)]
     Mission(MissionCommand),
@@ -77,6 +83,8 @@ impl Command {
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
+            Self::Tune(args) => &args.common,
+            Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),
         }
     }

@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod boat;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -15,6 +16,7 @@ mod result;
 mod simulate;
 mod sitl;
 mod trial;
+mod tune;
 mod world;
 
 use std::ffi::OsString;
@@ -76,6 +78,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Tune(args) => tune::run(&args),
+        Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),
     }
 }

@@ -29,7 +29,9 @@ mod steering;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use helmlink_wire::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet};
+use helmlink_wire::dialect::{
+    COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet, TIMESYNC_DATA,
+};
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
 pub use settings::{BridgeSettings, MissionSource};
@@ -45,7 +47,7 @@ use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
 use crate::vehicle::output::{self, Output};
 use crate::vehicle::telemetry::{Sender, Update, classify};
-use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
+use crate::vehicle::{Cadence, LoopDelay, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
 pub const TICK: Duration = Duration::from_millis(20);
@@ -78,6 +80,7 @@ pub struct Bridge {
     telemetry: Telemetry,
     cadence: Cadence,
     streams: StreamRequests,
+    loop_delay: LoopDelay,
     parameters: ParameterReader,
     output: Output,
     output_ready: bool,
@@ -112,6 +115,7 @@ impl Bridge {
             telemetry: Telemetry::default(),
             cadence: Cadence::new(settings.control_interval_s),
             streams: StreamRequests::new(settings.control_interval_s),
+            loop_delay: LoopDelay::default(),
             parameters: ParameterReader::new(&output::PARAMETERS),
             output: Output::new(settings.output),
             // A shadow asks nothing, so there is nothing to wait for.
@@ -308,6 +312,7 @@ impl Bridge {
     /// The flight controller is new or has restarted: nothing that was asked of it still holds.
     fn ask_again(&mut self) {
         self.streams.ask_again();
+        self.loop_delay.forget();
         self.parameters.ask_again();
         self.output_ready = self.settings.shadow;
         self.mission.on_vehicle_lost();
@@ -330,6 +335,7 @@ impl Bridge {
                     self.jump_to_item(item);
                 }
             }
+            Message::TIMESYNC(data) => self.on_timesync(data),
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => self.mission.on_message(self.now, vehicle.id, message),
@@ -353,6 +359,18 @@ impl Bridge {
                     self.control_step();
                 }
             }
+        }
+    }
+
+    /// The controller is told how long its commands are under way.
+    fn on_timesync(&mut self, data: &TIMESYNC_DATA) {
+        self.loop_delay.on_timesync(self.now, data);
+        self.tell_delay();
+    }
+
+    fn tell_delay(&mut self) {
+        if let (Some(run), Some(delay_s)) = (&mut self.run, self.loop_delay.seconds()) {
+            run.set_delay_s(delay_s);
         }
     }
 
@@ -446,6 +464,9 @@ impl Bridge {
         while let Some(message) = self.streams.poll(self.now, id) {
             self.links.send(now, link, own, &message);
         }
+        if let Some(message) = self.loop_delay.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
         while let Some(message) = self.parameters.poll(self.now, id) {
             self.links.send(now, link, own, &message);
         }
@@ -501,6 +522,7 @@ impl Bridge {
                     .unwrap_or(self.settings.boat.limits.cruise_mps);
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
+                self.tell_delay();
                 self.event(enums::MAV_SEVERITY_INFO, text);
             }
             Some(News::Unusable(text)) => {
