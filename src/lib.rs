@@ -14,6 +14,7 @@
 //! | [`guidance`], [`control`] | path following, the adaptive sliding-mode law, allocation | MAVLink |
 //! | [`pilot`] | the mission as a step function, and the safety state machine | sockets, clocks |
 //! | [`bridge`] | all of that behind bytes in, bytes out | sockets, clocks |
+//! | [`gate`] | signatures, allowed systems, secrets: what passes between links and bridge | sockets, clocks |
 //! | [`simulation`] | the bridge and the simulated boat in one process, and the score | sockets, clocks |
 //! | [`report`] | a run as a picture | where the run came from |
 //! | [`link`] | UDP, TCP, serial and in-memory transports | what the bytes mean |
@@ -24,6 +25,7 @@
 pub mod app;
 pub mod bridge;
 pub mod control;
+pub mod gate;
 pub mod guidance;
 pub mod link;
 pub mod pilot;

@@ -1,5 +1,6 @@
 //! The whole boat: autopilot and physics in step.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use helmlink_mission::geodesy::{Geodetic, PositionFault};
@@ -7,10 +8,17 @@ use helmlink_mission::plan::Item;
 use helmlink_wire::LinkId;
 
 use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
+use crate::clock::ClockOrder;
+use crate::faults::{Fault, FaultError, Lines, LinkWeather, Schedule, TimedFault, Turn};
+use crate::physics::sea::{Current, Wind};
 use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
+use crate::scenario::{Observation, Play, Scenario, Verdict};
 
 /// Physics steps per loop of the autopilot.
 const STEPS_PER_LOOP: u32 = 2;
+
+/// Packets from bad lines that wait to be taken; what exceeds it is lost.
+const MAX_OUTBOX: usize = 20_000;
 
 /// What is simulated. Same settings, same run.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +79,17 @@ pub enum SitlError {
     },
 }
 
+/// Why a scenario cannot be played with this boat.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlayError {
+    /// A fault that it cannot have.
+    #[error(transparent)]
+    Fault(#[from] FaultError),
+    /// A parameter that it does not have.
+    #[error("the scenario sets the parameter `{0}`, which the autopilot does not have")]
+    NoSuchParameter(String),
+}
+
 /// A simulated boat with an ArduRover-like autopilot.
 ///
 /// The owner opens links, hands in the bytes that arrive on them, advances the simulated time and takes out
@@ -95,6 +114,15 @@ pub struct Sitl {
     now: Duration,
     /// Whether the boat waits at its moorings to be armed.
     moored: bool,
+    schedule: Schedule,
+    lines: Lines,
+    weather: LinkWeather,
+    /// What has come out of bad lines.
+    outbox: VecDeque<(LinkId, Vec<u8>)>,
+    /// The parameters' revision that the faults were last read from, and what they said of tide and wind.
+    faults_of: Option<u64>,
+    sea_parameters: [f64; 4],
+    play: Option<Box<Play>>,
 }
 
 impl Sitl {
@@ -113,7 +141,22 @@ impl Sitl {
         let autopilot = Autopilot::new(settings.autopilot, &settings.hull, settings.home)?;
         let mut vessel = Vessel::new(settings.hull, &settings.sea, &settings.sensors, settings.seed, pose);
         vessel.set_moored(settings.moored_until_armed);
-        let mut sitl = Self { autopilot, vessel, now: Duration::ZERO, moored: settings.moored_until_armed };
+        let mut sitl = Self {
+            autopilot,
+            vessel,
+            now: Duration::ZERO,
+            moored: settings.moored_until_armed,
+            schedule: Schedule::default(),
+            lines: Lines::new(settings.seed),
+            weather: LinkWeather::default(),
+            outbox: VecDeque::new(),
+            faults_of: None,
+            sea_parameters: [0.0; 4],
+            play: None,
+        };
+        sitl.autopilot.put_gps_rate(settings.sensors.noise.map_or(5.0, |noise| noise.gps_rate_hz));
+        sitl.autopilot.put_sea(&settings.sea);
+        sitl.sea_parameters = sitl.autopilot.sea_parameters();
         sitl.autopilot.sense(sitl.vessel.estimate(), sitl.vessel.truth().hull, Duration::ZERO);
         Ok(sitl)
     }
@@ -126,27 +169,167 @@ impl Sitl {
     /// Closes a link: its rates, its transfers and what waits to be sent on it are forgotten.
     pub fn link_down(&mut self, link: LinkId) {
         self.autopilot.link_down(link);
+        self.lines.forget(link);
+        self.outbox.retain(|(to, _)| *to != link);
     }
 
     /// Bytes of a stream that arrive now. They are acted upon in the next loop.
     pub fn on_bytes(&mut self, link: LinkId, bytes: &[u8]) {
-        self.autopilot.on_bytes(link, bytes, false);
+        self.receive(link, bytes, false);
     }
 
     /// A datagram that arrives now: as [`Sitl::on_bytes`], but no frame goes on in the next one.
     pub fn on_datagram(&mut self, link: LinkId, bytes: &[u8]) {
-        self.autopilot.on_bytes(link, bytes, true);
+        self.receive(link, bytes, true);
+    }
+
+    fn receive(&mut self, link: LinkId, bytes: &[u8], datagram: bool) {
+        if self.lines.carries(link, &self.weather) {
+            self.lines.take_in(link, bytes, self.now, &self.weather);
+        } else {
+            self.autopilot.on_bytes(link, bytes, datagram);
+        }
     }
 
     /// Lets simulated time pass, in loops of 20 ms: all that end at or before `until`. Each loop reads what
     /// has arrived, steers, moves the boat, and sends what is due.
     pub fn advance(&mut self, until: Duration) {
         while self.now + LOOP <= until {
+            if !self.autopilot.clock.may_run() {
+                self.autopilot.serve();
+            }
+            if !self.autopilot.clock.may_run() {
+                break;
+            }
             self.run_loop();
         }
     }
 
+    /// While time is held: answers what clients have asked and takes their orders; no time passes.
+    pub fn serve(&mut self) {
+        self.autopilot.serve();
+    }
+
+    /// Stops time (true) or lets it pass again (false). While it stands, [`Sitl::advance`] only answers what
+    /// clients ask.
+    pub fn set_paused(&mut self, paused: bool) {
+        let order = if paused { ClockOrder::Pause } else { ClockOrder::Resume };
+        self.autopilot.clock.obey(LinkId(0), order, self.now);
+    }
+
+    /// Runs one loop of 20 ms with time stopped before and after.
+    pub fn step(&mut self) {
+        self.set_paused(true);
+        self.run_loop();
+    }
+
+    /// Whether time stands because somebody has paused it.
+    pub fn is_paused(&self) -> bool {
+        self.autopilot.clock.is_paused()
+    }
+
+    /// Whether time cannot pass now: it is paused, or a client in lockstep has not answered.
+    pub fn is_held(&self) -> bool {
+        !self.autopilot.clock.may_run()
+    }
+
+    /// The clients in lockstep that time waits for.
+    pub fn waits_for(&self) -> Vec<LinkId> {
+        self.autopilot.clock.waits_for()
+    }
+
+    /// No longer waits for a client in lockstep.
+    pub fn leave_lockstep(&mut self, link: LinkId) {
+        self.autopilot.clock.forget(link);
+    }
+
+    /// From now on time passes by `beat` at the most until the client on `link` has answered: it gets
+    /// SYSTEM_TIME after each beat, and sends the same message back when it is done with all up to then.
+    pub fn join_lockstep(&mut self, link: LinkId, beat: Duration) {
+        self.autopilot.clock.obey(link, ClockOrder::Join(beat), self.now);
+    }
+
+    /// The multiple of real time that the parameter SIM_SPEEDUP asks for; 0 is as fast as it goes. It is up to
+    /// the owner to keep that pace.
+    pub fn speedup(&self) -> f64 {
+        self.autopilot.speedup()
+    }
+
+    /// Shows ground stations the pace.
+    pub fn set_speedup(&mut self, speedup: f64) {
+        self.autopilot.put_speedup(speedup);
+    }
+
+    /// Puts a scenario on; its clock starts with the next loop, or with arming. An earlier one is over.
+    ///
+    /// # Errors
+    /// [`FaultError`] if the boat lacks the part that is to fail, or a parameter is not known.
+    pub fn play(&mut self, scenario: Scenario) -> Result<(), PlayError> {
+        for fault in scenario.faults() {
+            self.check_fault(fault)?;
+        }
+        if let Some(name) = scenario.parameters().find(|name| !self.autopilot.has_parameter(name)) {
+            return Err(PlayError::NoSuchParameter(name.to_owned()));
+        }
+        self.play = Some(Box::new(Play::new(scenario)));
+        Ok(())
+    }
+
+    /// What has become of the scenario's expectations; none without a scenario.
+    pub fn verdicts(&self) -> &[Verdict] {
+        self.play.as_ref().map_or(&[], |play| play.verdicts())
+    }
+
+    /// Whether the scenario is over; false without one.
+    pub fn is_scenario_over(&self) -> bool {
+        self.play.as_ref().is_some_and(|play| play.is_over())
+    }
+
+    /// Ends the scenario now: what is open is decided by how things stand.
+    pub fn end_scenario(&mut self) {
+        if let Some(mut play) = self.play.take() {
+            play.end(self);
+            self.play = Some(play);
+        }
+    }
+
+    /// How things stand.
+    pub fn observe(&self) -> Observation {
+        self.autopilot.observe()
+    }
+
+    /// The sea as it was asked for.
+    pub fn sea(&self) -> &Sea {
+        self.vessel.sea()
+    }
+
+    /// Changes the sea from now on.
+    pub fn set_sea(&mut self, sea: Sea) {
+        self.vessel.set_sea(&sea);
+        self.autopilot.put_sea(&sea);
+        self.sea_parameters = self.autopilot.sea_parameters();
+    }
+
+    /// Names and values of the parameters that were changed by users, faults and the simulator's own left out:
+    /// what a file of parameters is to keep.
+    pub fn changed_parameters(&self) -> Vec<(String, f32)> {
+        self.autopilot.changed_parameters()
+    }
+
+    /// A number that changes whenever a parameter does.
+    pub fn parameter_revision(&self) -> u64 {
+        self.autopilot.parameter_revision()
+    }
+
     fn run_loop(&mut self) {
+        if let Some(mut play) = self.play.take() {
+            play.step(self);
+            self.play = Some(play);
+        }
+        self.turn_faults();
+        for (link, bytes) in self.lines.arriving(self.now) {
+            self.autopilot.on_bytes(link, &bytes, true);
+        }
         let command = self.autopilot.control(self.now);
         if self.moored && self.autopilot.is_armed() {
             self.moored = false;
@@ -158,12 +341,64 @@ impl Sitl {
         self.now += LOOP;
         self.autopilot.sense(self.vessel.estimate(), self.vessel.truth().hull, self.now);
         self.autopilot.transmit();
+        self.send_over_bad_lines();
+    }
+
+    /// Begins and ends scheduled faults, and puts into force what the parameters say.
+    fn turn_faults(&mut self) {
+        while let Some(turn) = self.schedule.due(self.now) {
+            match turn {
+                Turn::Begin(fault) => self.autopilot.put_fault(&fault),
+                Turn::End(fault) => self.autopilot.lift_fault(&fault),
+            }
+        }
+        let revision = self.autopilot.parameter_revision();
+        if self.faults_of != Some(revision) {
+            self.faults_of = Some(revision);
+            self.vessel.set_faults(self.autopilot.vessel_faults());
+            self.vessel.set_gps_rate(self.autopilot.gps_rate_hz());
+            self.weather = self.autopilot.link_weather();
+            self.turn_sea();
+        }
+    }
+
+    /// Tide and wind follow their parameters.
+    fn turn_sea(&mut self) {
+        let wanted = self.autopilot.sea_parameters();
+        if wanted == self.sea_parameters {
+            return;
+        }
+        self.sea_parameters = wanted;
+        let [tide_mps, tide_from_deg, wind_mps, wind_from_deg] = wanted;
+        let mut sea = *self.vessel.sea();
+        let current = sea.current.unwrap_or(Current { speed_mps: 0.0, toward_deg: 0.0, variability: 0.0 });
+        let wind = sea.wind.unwrap_or(Wind { speed_mps: 0.0, from_deg: 0.0, gustiness: 0.0 });
+        let toward_deg = (tide_from_deg + 180.0).rem_euclid(360.0);
+        sea.current = (tide_mps > 0.0).then_some(Current { speed_mps: tide_mps, toward_deg, ..current });
+        sea.wind = (wind_mps > 0.0).then_some(Wind { speed_mps: wind_mps, from_deg: wind_from_deg, ..wind });
+        self.vessel.set_sea(&sea);
+    }
+
+    /// Takes what is to be sent on bad lines from the autopilot, and what arrives over them.
+    fn send_over_bad_lines(&mut self) {
+        for link in self.autopilot.links() {
+            if self.lines.carries(link, &self.weather) {
+                while let Some(bytes) = self.autopilot.poll_transmit_on(link) {
+                    self.lines.take_out(link, &bytes, self.now, &self.weather);
+                }
+            }
+        }
+        for arrived in self.lines.leaving(self.now) {
+            if self.outbox.len() < MAX_OUTBOX {
+                self.outbox.push_back(arrived);
+            }
+        }
     }
 
     /// The next bytes to send, whole frames, at most 1400 bytes at a time. What is not taken for long is
     /// dropped.
     pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        self.autopilot.poll_transmit()
+        self.outbox.pop_front().or_else(|| self.autopilot.poll_transmit())
     }
 
     /// Simulated time since the start.
@@ -186,9 +421,46 @@ impl Sitl {
         self.autopilot.is_armed()
     }
 
-    /// Switches the GPS on or off.
-    pub fn set_gps(&mut self, works: bool) {
-        self.vessel.set_gps(works);
+    /// Makes something fail from the next loop on, in place of an earlier fault of the same kind.
+    ///
+    /// # Errors
+    /// [`FaultError`] if a figure is out of its range, or the boat has no such part.
+    pub fn inject(&mut self, fault: Fault) -> Result<(), FaultError> {
+        self.check_fault(&fault)?;
+        self.autopilot.put_fault(&fault);
+        Ok(())
+    }
+
+    /// Repairs what a fault of this kind has done; its figures do not matter.
+    pub fn lift(&mut self, fault: &Fault) {
+        self.autopilot.lift_fault(fault);
+    }
+
+    /// Makes something fail at a time to come, and repairs it if the fault has an end.
+    ///
+    /// # Errors
+    /// As [`Sitl::inject`].
+    pub fn schedule(&mut self, timed: TimedFault) -> Result<(), FaultError> {
+        self.check_fault(&timed.fault)?;
+        self.schedule.add(timed);
+        Ok(())
+    }
+
+    fn check_fault(&self, fault: &Fault) -> Result<(), FaultError> {
+        fault.check()?;
+        match fault.missing_part(self.hull().has_twin_thrusters()) {
+            None => Ok(()),
+            Some(part) => {
+                let boat = self.hull().name.clone();
+                Err(FaultError::NoSuchPart { fault: fault.to_string(), boat, part })
+            }
+        }
+    }
+
+    /// Arms the boat and starts its mission, or has it keep its place if there is none. False while it is not
+    /// ready for that; try again later.
+    pub fn start(&mut self) -> bool {
+        self.autopilot.start()
     }
 
     /// Stores a mission as if it had been uploaded; `items` are without home.

@@ -1,5 +1,8 @@
 //! `helmlink bridge`: steers a boat through its flight controller.
 
+mod links;
+mod signing;
+
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,14 +11,18 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use clap::Args;
 use helmlink_wire::Identity;
 
+use self::links::LinkArgs;
+use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
 use super::edge::{Edge, Seen};
 use super::failure::Failure;
+use super::guarded::Guarded;
 use super::mission;
+use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
-use crate::link::{Hub, LinkSettings, LinkUrl};
+use crate::link::LinkUrl;
 use crate::pilot::supervisor::{Request, State};
 use crate::vehicle::{Mode, OutputKind};
 
@@ -25,7 +32,8 @@ use crate::vehicle::{Mode, OutputKind};
 Examples:
   helmlink bridge --connect serial:/dev/ttyAMA0:921600 --engage-mode GUIDED --output guided
   helmlink bridge --connect tcp:127.0.0.1:5760 --engage
-  helmlink bridge --connect udpin:0.0.0.0:14550 --shadow --mission survey.waypoints
+  helmlink bridge --connect udpin:127.0.0.1:14550 --shadow --mission survey.waypoints
+  helmlink bridge --connect serial:/dev/ttyAMA0:921600 --gcs udpin:0.0.0.0:14550 --signing-key key --sign gcs
 
 Without --engage, --engage-mode or a command from a ground station (MISSION_START or DO_PAUSE_CONTINUE
 to component 191) the bridge only watches. It never arms the motors unless --arm is given.
@@ -78,6 +86,12 @@ pub struct BridgeArgs {
     pub once: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub links: LinkArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub state: StateDirArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub common: Common,
 }
 
@@ -91,10 +105,11 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
         Failure::usage("say where the flight controller is: --connect tcp:HOST:PORT, udpin:…, udpout:… or serial:DEVICE:BAUD")
     })?;
     let settings = settings(args)?;
+    let signing = args.links.signing(&args.state)?;
     let log = args.record.as_deref().map(LogFile::create).transpose()?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings, log))
+    runtime.block_on(drive(args, &url, settings, signing, log))
 }
 
 /// The settings that the options ask for.
@@ -143,16 +158,15 @@ async fn drive(
     args: &BridgeArgs,
     url: &LinkUrl,
     settings: BridgeSettings,
+    mut signing: Option<SigningStore>,
     mut log: Option<LogFile>,
 ) -> Result<(), Failure> {
-    let mut hub = Hub::new(LinkSettings::default());
-    hub.open(url).await.map_err(Failure::usage)?;
     let mut bridge = Bridge::new(settings);
     if log.is_some() {
         bridge.keep_journal(unix_time_us());
     }
-    let mut edge = Edge::new(bridge, hub, TICK);
-    tracing::info!("connecting to {url}");
+    let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    let mut edge = Edge::new(guarded, hub, TICK);
     let mut watch = Watch::new(args);
     let mut interrupt = std::pin::pin!(interrupted());
     let ending = loop {
@@ -163,14 +177,23 @@ async fn drive(
         }
         say_events(&mut edge);
         write_log(&mut edge, &mut log);
+        if let Some(store) = &mut signing {
+            store.save_when_due(edge.now(), edge.party.gate.timestamp());
+        }
         if let Some(ending) = watch.ending(&edge, url) {
             break ending;
         }
     };
     stop(&mut edge, &mut log).await;
+    if let Some(store) = &mut signing {
+        store.save(edge.party.gate.timestamp());
+    }
     edge.close().await;
     ending
 }
+
+/// The bridge with its gate, its links and its clock.
+type Live = Edge<Guarded<Bridge>>;
 
 /// Decides when the command ends by itself.
 struct Watch {
@@ -185,7 +208,7 @@ impl Watch {
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
-    fn look(&mut self, edge: &Edge<Bridge>, seen: Option<Seen>) {
+    fn look(&mut self, edge: &Live, seen: Option<Seen>) {
         match seen {
             Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
             Some(Seen::Down(reason)) => tracing::warn!("link down: {reason}"),
@@ -194,7 +217,7 @@ impl Watch {
         self.found = self.found.or(edge.party.status().vehicle);
     }
 
-    fn ending(&self, edge: &Edge<Bridge>, url: &LinkUrl) -> Option<Result<(), Failure>> {
+    fn ending(&self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
         if let Some(refusal) = edge.party.refusal() {
             return Some(Err(Failure::usage(refusal)));
         }
@@ -210,7 +233,7 @@ impl Watch {
 }
 
 /// Stops the boat, lets go, and waits until that is done.
-async fn stop(edge: &mut Edge<Bridge>, log: &mut Option<LogFile>) {
+async fn stop(edge: &mut Live, log: &mut Option<LogFile>) {
     let now = edge.now();
     edge.party.request(now, Request::Stop).ok();
     edge.flush();
@@ -223,13 +246,16 @@ async fn stop(edge: &mut Edge<Bridge>, log: &mut Option<LogFile>) {
     write_log(edge, log);
 }
 
-fn say_events(edge: &mut Edge<Bridge>) {
+fn say_events(edge: &mut Live) {
+    if let Some(news) = edge.party.gate.take_news() {
+        tracing::warn!("{news}");
+    }
     while let Some(event) = edge.party.poll_event() {
         console::log(&event);
     }
 }
 
-fn write_log(edge: &mut Edge<Bridge>, log: &mut Option<LogFile>) {
+fn write_log(edge: &mut Live, log: &mut Option<LogFile>) {
     let records = edge.party.take_journal();
     if let Some(open) = log.as_mut().filter(|_| !records.is_empty())
         && let Err(error) = open.file.write_all(&records)

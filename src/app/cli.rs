@@ -49,7 +49,7 @@ pub enum Command {
     Tune(Box<TuneArgs>),
     /// Write a boat file by rule, from length, top speed and turning circle
     Boat(Box<BoatArgs>),
-    /// Look at mission files
+    /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
 }

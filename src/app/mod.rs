@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod ardupilot_json;
 mod boat;
 mod bridge;
 pub mod cli;
@@ -10,11 +11,15 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod guarded;
 mod mission;
 mod paced_sitl;
+mod parameter_file;
 mod result;
+mod scenario;
 mod simulate;
 mod sitl;
+mod state_dir;
 mod trial;
 mod tune;
 mod world;

@@ -8,6 +8,8 @@ use helmlink_wire::tlog::TlogWriter;
 use helmlink_wire::{Encoder, Frame, Framer, Identity, LinkId, LinkStatistics, Message};
 use sha2::{Digest, Sha256};
 
+use super::routing::Router;
+
 /// Frames waiting for the driver beyond this number are dropped, oldest first: they would be stale anyway.
 const OUTBOX_LIMIT: usize = 4096;
 
@@ -28,6 +30,7 @@ pub(super) struct Links {
     commands: Sha256,
     command_count: u64,
     journal: Option<Journal>,
+    router: Router,
     listen_only: bool,
 }
 
@@ -62,6 +65,7 @@ impl Links {
             commands: Sha256::new(),
             command_count: 0,
             journal: None,
+            router: Router::default(),
             listen_only,
         }
     }
@@ -81,6 +85,7 @@ impl Links {
     }
 
     pub(super) fn remove(&mut self, id: LinkId) {
+        self.router.forget(id);
         self.links.retain(|link| link.id != id);
         self.outbox.retain(|(to, _)| *to != id);
     }
@@ -119,14 +124,28 @@ impl Links {
         }
     }
 
-    /// The next message of this peer, with who sent it.
-    pub(super) fn next_message(&mut self, now: Duration, id: LinkId) -> Option<(Identity, Message)> {
+    /// The next message of this peer that the bridge has to look at, with who sent it. What is for others is passed on;
+    /// `own` are the addresses that the bridge itself sends with.
+    pub(super) fn next_message(
+        &mut self,
+        now: Duration,
+        id: LinkId,
+        own: &[Identity],
+    ) -> Option<(Identity, Message)> {
+        let all: Vec<LinkId> = self.ids().collect();
         let link = self.links.iter_mut().find(|link| link.id == id)?;
-        while let Some(frame) = link.framer.next_frame() {
-            if let Some(journal) = &mut self.journal {
+        while let Some(frame) = link.framer.next_any() {
+            if frame.is_verified()
+                && let Some(journal) = &mut self.journal
+            {
                 journal.record(now, &frame);
             }
-            if let Ok(message) = frame.decode() {
+            let message = if frame.is_verified() { frame.decode().ok() } else { None };
+            let way = self.router.way(now, id, &frame, message.as_ref(), own, &all);
+            if !self.listen_only {
+                self.outbox.extend(way.onward.into_iter().map(|to| (to, frame.bytes().to_vec())));
+            }
+            if let Some(message) = message.filter(|_| !way.ignore) {
                 return Some((frame.identity(), message));
             }
         }

@@ -11,43 +11,64 @@
 //! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
+//! | `actions` | commands of the mission that are the flight controller's |
 //! | `commands` | commands to the bridge itself |
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
+//! | `observing` | what the failsafes see |
+//! | `fence` | gets the fence |
+//! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
+//! | [`pace`] | how evenly the steering frames go out |
+//! | [`parameters`] | the bridge's own parameters |
+//! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
+mod actions;
 mod commands;
 pub mod controller_state;
+mod fence;
 mod follow;
 mod links;
 mod mission;
+mod observing;
+pub mod pace;
+pub mod parameters;
 mod reporting;
+mod routing;
 pub mod settings;
 pub mod status;
 mod steering;
+mod timesync;
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use helmlink_wire::dialect::{
-    COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet, TIMESYNC_DATA,
-};
+use helmlink_mission::route::Ending;
+use helmlink_wire::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet};
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
 pub use settings::{BridgeSettings, MissionSource};
 pub use status::{Event, Status};
 
+use self::actions::Actions;
 use self::commands::{Command, Order};
+use self::fence::FenceNews;
 use self::follow::CurrentItem;
 use self::links::Links;
 use self::mission::{MissionKeeper, News};
+use self::observing::Observer;
+use self::parameters::Tunables;
+use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use self::timesync::TimeSync;
+use crate::control::boat::Actuators;
+use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
-use crate::vehicle::output::{self, Output};
+use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
-use crate::vehicle::{Cadence, LoopDelay, ParameterReader, StreamRequests, Telemetry, VehicleClock};
+use crate::vehicle::{Cadence, Mode, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
 pub const TICK: Duration = Duration::from_millis(20);
@@ -57,6 +78,8 @@ const HOUSEKEEPING: Duration = Duration::from_millis(10);
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 /// A flight controller that shows up on another link is followed there when the old link has been silent this long.
 const MOVE_AFTER_S: f64 = 3.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
 const EVENT_LIMIT: usize = 1000;
 
@@ -80,14 +103,20 @@ pub struct Bridge {
     telemetry: Telemetry,
     cadence: Cadence,
     streams: StreamRequests,
-    loop_delay: LoopDelay,
     parameters: ParameterReader,
     output: Output,
     output_ready: bool,
     mission: MissionKeeper,
     run: Option<MissionRun>,
+    actions: Actions,
     current: CurrentItem,
     supervisor: Supervisor,
+    watch: Watch,
+    observer: Observer,
+    timesync: TimeSync,
+    parameter_service: ParameterService,
+    /// The parameters as the bridge was started with, saved ones left out.
+    factory: Tunables,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
@@ -96,13 +125,16 @@ pub struct Bridge {
 
 impl Bridge {
     /// A bridge that has not heard anything yet.
-    pub fn new(settings: BridgeSettings) -> Self {
+    pub fn new(mut settings: BridgeSettings) -> Self {
+        let factory = settings.tunables();
+        let complaints = settings.take_saved_parameters();
         let policy = Policy {
             drive_mode: settings.output.mode(),
             engage_mode: settings.engage_mode,
             may_arm: settings.may_arm,
             end_mode: settings.end_mode,
-            limits: settings.limits,
+            shadow: settings.shadow,
+            limits: settings.effective_limits(),
         };
         let mut bridge = Self {
             links: Links::new(settings.shadow),
@@ -115,21 +147,29 @@ impl Bridge {
             telemetry: Telemetry::default(),
             cadence: Cadence::new(settings.control_interval_s),
             streams: StreamRequests::new(settings.control_interval_s),
-            loop_delay: LoopDelay::default(),
             parameters: ParameterReader::new(&output::PARAMETERS),
             output: Output::new(settings.output),
             // A shadow asks nothing, so there is nothing to wait for.
             output_ready: settings.shadow,
-            mission: MissionKeeper::new(&settings.mission),
+            mission: MissionKeeper::new(&settings.mission, &settings.boat),
             run: None,
+            actions: Actions::default(),
             current: CurrentItem::default(),
             supervisor: Supervisor::new(policy),
+            watch: Watch::new(settings.failsafes.clone()),
+            observer: Observer::default(),
+            timesync: TimeSync::default(),
+            parameter_service: ParameterService::default(),
+            factory,
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
             settings,
         };
+        for complaint in complaints {
+            bridge.event(enums::MAV_SEVERITY_WARNING, format!("saved parameter left out: {complaint}"));
+        }
         if bridge.settings.engage {
             bridge.request(Duration::ZERO, Request::Engage { patient: true }).ok();
         }
@@ -198,13 +238,15 @@ impl Bridge {
     ///
     /// # Errors
     /// Why it will not be done.
-    pub fn request(&mut self, now: Duration, request: Request) -> Result<(), &'static str> {
+    pub fn request(&mut self, now: Duration, request: Request) -> Result<(), String> {
         self.advance(now);
         if matches!(request, Request::Engage { .. })
             && let Some(vehicle) = self.vehicle
         {
             self.mission.refresh(self.own(vehicle.id), vehicle.id);
+            self.observer.fence.refresh();
         }
+        self.look_out();
         let conditions = self.conditions();
         let answer = self.supervisor.request(self.now.as_secs_f64(), request, &conditions);
         self.supervise();
@@ -222,6 +264,8 @@ impl Bridge {
             demand: self.steering.demand,
             diagnostics: self.steering.diagnostics,
             steps: self.steering.steps,
+            pace: self.steering.pace,
+            round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
     }
 
@@ -254,14 +298,23 @@ impl Bridge {
         Identity { system: vehicle.system, component: settings::COMPONENT }
     }
 
+    /// Every address that the bridge sends with.
+    fn own_addresses(&self) -> [Identity; 2] {
+        let own = self.own_or_default();
+        [own, self.settings.steering_identity(own)]
+    }
+
     fn drain(&mut self, link: LinkId) {
-        while let Some((from, message)) = self.links.next_message(self.driver_now, link) {
+        while let Some((from, message)) =
+            self.links.next_message(self.driver_now, link, &self.own_addresses())
+        {
             self.on_message(link, from, &message);
         }
     }
 
     fn on_message(&mut self, link: LinkId, from: Identity, message: &Message) {
         if let Message::HEARTBEAT(heartbeat) = message {
+            self.observer.on_heartbeat(self.now, heartbeat);
             self.meet(link, from, heartbeat);
         }
         let Some(vehicle) = self.vehicle else { return };
@@ -306,13 +359,14 @@ impl Bridge {
     fn forget_vehicle(&mut self) {
         self.vehicle = None;
         self.telemetry = Telemetry::default();
+        self.observer.forget_vehicle();
+        self.watch.forget_position();
         self.ask_again();
     }
 
     /// The flight controller is new or has restarted: nothing that was asked of it still holds.
     fn ask_again(&mut self) {
         self.streams.ask_again();
-        self.loop_delay.forget();
         self.parameters.ask_again();
         self.output_ready = self.settings.shadow;
         self.mission.on_vehicle_lost();
@@ -335,16 +389,27 @@ impl Bridge {
                     self.jump_to_item(item);
                 }
             }
-            Message::TIMESYNC(data) => self.on_timesync(data),
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::TIMESYNC(data) => {
+                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
+                    self.links.send(self.driver_now, vehicle.link, own, &answer);
+                }
+                self.tell_delay();
+            }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
-            _ => self.mission.on_message(self.now, vehicle.id, message),
+            _ => {
+                self.mission.on_message(self.now, vehicle.id, message);
+                self.observer.fence.on_message(self.now, vehicle.id, message);
+            }
         }
         match update {
             Update::None => {}
             Update::Heartbeat => self.supervise(),
             Update::Rebooted => {
                 self.event(enums::MAV_SEVERITY_WARNING, "the flight controller has restarted");
+                self.observer.forget_vehicle();
+                self.watch.forget_position();
+                self.observer.rebooted = true;
                 self.ask_again();
                 self.supervise();
             }
@@ -362,15 +427,10 @@ impl Bridge {
         }
     }
 
-    /// The controller is told how long its commands are under way.
-    fn on_timesync(&mut self, data: &TIMESYNC_DATA) {
-        self.loop_delay.on_timesync(self.now, data);
-        self.tell_delay();
-    }
-
+    /// Tells the controller how long its commands are under way, in the vehicle's time.
     fn tell_delay(&mut self) {
-        if let (Some(run), Some(delay_s)) = (&mut self.run, self.loop_delay.seconds()) {
-            run.set_delay_s(delay_s);
+        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
+            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
         }
     }
 
@@ -383,6 +443,7 @@ impl Bridge {
         {
             self.jump_to_item(*seq);
         }
+        self.on_parameter_message(link, from, message);
         let Some(command) = Command::from_message(message, own) else { return };
         let result = match command.order() {
             Order::Engage => {
@@ -401,10 +462,31 @@ impl Bridge {
                     enums::MAV_RESULT_DENIED
                 }
             }
+            Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
+            Order::LetGo => self.obey(Request::LetGo),
+            Order::ResetParameters => {
+                self.reset_parameters();
+                enums::MAV_RESULT_ACCEPTED
+            }
+            // Parameters are kept as they are set.
+            Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
+            // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
+            Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
         self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+    }
+
+    fn change_speed(&mut self, speed_mps: f64) -> u8 {
+        let most_mps = self.settings.boat.limits.speed_max_mps;
+        let Some(run) = self.run.as_mut().filter(|_| (LEAST_SPEED_MPS..=most_mps).contains(&speed_mps))
+        else {
+            return enums::MAV_RESULT_DENIED;
+        };
+        run.set_speed(Some(speed_mps));
+        self.event(enums::MAV_SEVERITY_INFO, format!("speed {speed_mps:.2} m/s from now on, as asked"));
+        enums::MAV_RESULT_ACCEPTED
     }
 
     fn obey(&mut self, request: Request) -> u8 {
@@ -436,9 +518,17 @@ impl Bridge {
             || (data.target_system, data.target_component) == (own.system, own.component);
         let refused =
             data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
-        if is_ours && refused {
+        if is_ours && self.actions.on_ack(data) {
+            self.tell_of_actions();
+        } else if is_ours && refused {
             let text = format!("command {} refused with MAV_RESULT {}", data.command, data.result);
             self.event(enums::MAV_SEVERITY_DEBUG, text);
+        }
+    }
+
+    fn tell_of_actions(&mut self) {
+        while let Some(outcome) = self.actions.poll_outcome() {
+            self.event(outcome.severity, outcome.text);
         }
     }
 
@@ -449,12 +539,14 @@ impl Bridge {
         }
         self.last_housekeeping = Some(self.now);
         self.report();
+        self.send_parameter_list();
         self.take_mission_news();
         if let Some(vehicle) = self.vehicle {
             self.ask(vehicle);
             self.check_output();
         }
         self.supervise();
+        self.keep_sending();
     }
 
     /// Sends what is due to be asked of the flight controller.
@@ -464,7 +556,7 @@ impl Bridge {
         while let Some(message) = self.streams.poll(self.now, id) {
             self.links.send(now, link, own, &message);
         }
-        if let Some(message) = self.loop_delay.poll(self.now, id) {
+        if let Some(message) = self.timesync.poll(now, id) {
             self.links.send(now, link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
@@ -473,34 +565,39 @@ impl Bridge {
         while let Some(message) = self.mission.poll(self.now, own, id) {
             self.links.send(now, link, own, &message);
         }
+        let is_free = self.mission.is_ready() || self.run.is_none();
+        while let Some(message) = self.observer.fence.poll(self.now, own, id, is_free) {
+            self.links.send(now, link, own, &message);
+        }
         while let Some(message) = self.current.poll(self.now, id) {
             self.links.send(now, link, own, &message);
         }
+        while let Some(message) = self.actions.poll(self.now, id) {
+            self.links.send(now, link, own, &message);
+        }
+        self.tell_of_actions();
     }
 
     fn check_output(&mut self) {
-        if !self.output_ready && self.parameters.is_complete() {
+        if self.output_ready || !self.parameters.is_complete() {
+            return;
+        }
+        self.parameters.require(&output::channel_parameters(&self.parameters));
+        if self.parameters.is_complete() {
             self.output_ready = self.configure_output();
+            if self.output_ready {
+                self.warn_of_parameters();
+            }
         }
     }
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
+        self.watch.configure(self.failsafes_in_force());
+        let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
-        let own_system = f64::from(self.settings.ground_station_system);
-        let problem = match (configured, self.parameters.value("SYSID_MYGCS")) {
-            (Err(problem), _) => Some(problem),
-            (Ok(()), Some(system))
-                if self.settings.output.needs_ground_station_id() && system != own_system =>
-            {
-                Some(format!(
-                    "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
-                     {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
-                ))
-            }
-            _ => None,
-        };
-        match problem {
+        let obstacle = checks::obstacle(kind, system, &self.parameters);
+        match configured.err().or(obstacle) {
             None => true,
             Some(text) => {
                 if self.reporter.is_new_problem(&text) {
@@ -511,15 +608,21 @@ impl Bridge {
         }
     }
 
+    fn warn_of_parameters(&mut self) {
+        let is_twin = matches!(self.settings.boat.actuators, Actuators::TwinThrusters(_));
+        for warning in checks::warnings(self.settings.output, is_twin, &self.parameters) {
+            self.event(enums::MAV_SEVERITY_WARNING, warning);
+        }
+    }
+
     fn take_mission_news(&mut self) {
         match self.mission.poll_news(self.now) {
             Some(News::Loaded(route)) => {
+                // To stay for ever at the end is the flight controller's to do: it goes on without the bridge.
+                let stays = route.ending == Ending::Loiter;
+                self.supervisor.set_end_mode(if stays { Mode::LOITER } else { self.settings.end_mode });
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
-                let speed_mps = self
-                    .settings
-                    .speed_mps
-                    .or_else(|| output::full_speed_mps(&self.parameters))
-                    .unwrap_or(self.settings.boat.limits.cruise_mps);
+                let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.tell_delay();
@@ -536,6 +639,24 @@ impl Bridge {
             }
             Some(News::NotRead(_)) | None => {}
         }
+        match self.observer.fence.poll_news(self.now) {
+            Some(FenceNews::Loaded) => {
+                self.event(enums::MAV_SEVERITY_INFO, "fence loaded: the bridge watches it too");
+            }
+            Some(FenceNews::NotRead(why)) => {
+                let text = format!("the fence could not be read, so it is not watched: {why}");
+                self.event(enums::MAV_SEVERITY_WARNING, text);
+            }
+            None => {}
+        }
+    }
+
+    /// Speed over ground where the mission does not say, m/s.
+    fn usual_speed_mps(&self) -> f64 {
+        self.settings
+            .speed_mps
+            .or_else(|| output::full_speed_mps(&self.parameters))
+            .unwrap_or(self.settings.boat.limits.cruise_mps)
     }
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {

@@ -3,12 +3,17 @@
 use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
 
+use super::parameters::{ParameterError, Tunables};
 use crate::control::Controller;
+use crate::pilot::failsafe::{Failsafe, FailsafeSettings};
 use crate::pilot::supervisor::Limits;
 use crate::vehicle::{Mode, OutputKind};
 
 /// Component id of the bridge on the vehicle's system: MAV_COMP_ID_ONBOARD_COMPUTER.
 pub const COMPONENT: u8 = helmlink_wire::enums::MAV_COMP_ID_ONBOARD_COMPUTER;
+
+/// In shadow a position may be this old, seconds.
+const SHADOW_STALE_S: f64 = 2.5;
 
 /// Where the mission comes from.
 #[derive(Debug, Clone)]
@@ -46,8 +51,12 @@ pub struct BridgeSettings {
     pub shadow: bool,
     /// System id that overrides are sent with; the flight controller's SYSID_MYGCS must be the same.
     pub ground_station_system: u8,
-    /// Age limits.
+    /// Waiting times.
     pub limits: Limits,
+    /// What can go wrong, and what is then done.
+    pub failsafes: FailsafeSettings,
+    /// Parameters set over MAVLink in an earlier run, as [`super::Bridge::take_parameters`] gave them; empty for none.
+    pub parameters: String,
 }
 
 impl BridgeSettings {
@@ -67,7 +76,36 @@ impl BridgeSettings {
             shadow: false,
             ground_station_system: 255,
             limits: Limits::default(),
+            failsafes: FailsafeSettings::default(),
+            parameters: String::new(),
         }
+    }
+
+    /// What parameters change.
+    pub(super) fn tunables(&self) -> Tunables {
+        Tunables {
+            boat: self.boat.clone(),
+            failsafes: self.failsafes.clone(),
+            speed_mps: self.speed_mps.unwrap_or_default(),
+        }
+    }
+
+    /// Lets the saved parameters take effect; what could not be taken over is told.
+    pub(super) fn take_saved_parameters(&mut self) -> Vec<ParameterError> {
+        let mut tunables = self.tunables();
+        let complaints = tunables.read(&std::mem::take(&mut self.parameters));
+        self.boat = tunables.boat;
+        self.failsafes = tunables.failsafes;
+        self.speed_mps = (tunables.speed_mps > 0.0).then_some(tunables.speed_mps);
+        complaints
+    }
+
+    /// The waiting times of the state machine.
+    pub(super) fn effective_limits(&self) -> Limits {
+        let heartbeat_s = self.failsafes.limit(Failsafe::LinkLost);
+        // A shadow asks for nothing, so it has to live with the rates that it finds: once a second.
+        let stale_s = if self.shadow { self.limits.stale_s.max(SHADOW_STALE_S) } else { self.limits.stale_s };
+        Limits { heartbeat_s, stale_s, ..self.limits }
     }
 
     /// Who sends the steering messages.

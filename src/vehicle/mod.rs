@@ -7,7 +7,6 @@
 //! | [`clock`] | the flight controller's clock, kept running between messages |
 //! | [`cadence`] | when enough new telemetry has come for one control step |
 //! | [`estimate`] | the boat's state at one instant |
-//! | [`loop_delay`] | how long a command is under way |
 //! | [`parameters`] | reads the parameters that the outputs depend on |
 //! | [`streams`] | asks for the messages that the bridge needs, and asks again when they stop |
 //! | [`output`] | a steering and throttle command as MAVLink, and how to let go again |
@@ -17,7 +16,6 @@
 pub mod cadence;
 pub mod clock;
 pub mod estimate;
-pub mod loop_delay;
 pub mod modes;
 pub mod output;
 pub mod parameters;
@@ -26,7 +24,6 @@ pub mod telemetry;
 
 pub use cadence::Cadence;
 pub use clock::VehicleClock;
-pub use loop_delay::LoopDelay;
 pub use modes::Mode;
 pub use output::{Output, OutputKind};
 pub use parameters::ParameterReader;

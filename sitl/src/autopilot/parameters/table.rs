@@ -127,6 +127,10 @@ mod rows {
         FENCE_ENABLE: Int8 = 0 in 0 .. 1;
         FENCE_ACTION: Int8 = 1 in 0 .. 5;
         FENCE_TYPE: Int8 = 6 in 0 .. 7;
+        FENCE_RADIUS: Real32 = 300 in 1 .. 10000;
+        FENCE_MARGIN: Real32 = 2 in 0 .. 100;
+        RALLY_LIMIT_KM: Real32 = 0.5 in 0 .. 100;
+        RALLY_INCL_HOME: Int8 = 1 in 0 .. 1;
         FENCE_TOTAL: Int8 = 0 in 0 .. 127, read_only;
         RALLY_TOTAL: Int16 = 0 in 0 .. 32767, read_only;
 
@@ -138,8 +142,51 @@ mod rows {
         COMPASS_USE: Int8 = 1 in 0 .. 1;
         BATT_MONITOR: Int8 = 4 in 0 .. 32;
         BATT_CAPACITY: Int32 = 100000 in 1 .. 2000000;
+        BATT_LOW_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_LOW_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_LOW_TIMER: Int8 = 10 in 0 .. 120;
+        BATT_CRT_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_CRT_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_FS_LOW_ACT: Int8 = 0 in 0 .. 7;
+        BATT_FS_CRT_ACT: Int8 = 0 in 0 .. 7;
         LOG_BITMASK: Int32 = 0 in 0 .. 1048575;
         LOG_DISARMED: Int8 = 0 in 0 .. 3;
+
+        // The simulated world: the sea (tide and wind with the direction they come from), its pace.
+        SIM_TIDE_SPEED: Real32 = 0 in 0 .. 10;
+        SIM_TIDE_DIR: Real32 = 0 in -360 .. 360;
+        SIM_WIND_SPD: Real32 = 0 in 0 .. 60;
+        SIM_WIND_DIR: Real32 = 180 in -360 .. 360;
+        SIM_GPS_HZ: Int8 = 5 in 1 .. 50;
+        SIM_SPEEDUP: Real32 = 1 in 0 .. 1000;
+
+        // Faults of the simulated world (see the module `faults`). Names of ArduPilot's own simulator where
+        // it has them.
+        SIM_GPS_DISABLE: Int8 = 0 in 0 .. 1;
+        SIM_GPS_FREEZE: Int8 = 0 in 0 .. 1;
+        SIM_GPS_GLITCH_X: Real32 = 0 in -1 .. 1;
+        SIM_GPS_GLITCH_Y: Real32 = 0 in -1 .. 1;
+        SIM_GPS_DRIFT_N: Real32 = 0 in -100 .. 100;
+        SIM_GPS_DRIFT_E: Real32 = 0 in -100 .. 100;
+        SIM_MAG_YAW: Real32 = 0 in -180 .. 180;
+        SIM_RUD_STUCK: Int8 = 0 in 0 .. 2;
+        SIM_RUD_AT: Real32 = 0 in -1 .. 1;
+        SIM_RUD_MUL: Real32 = 1 in 0 .. 1;
+        SIM_ENGINE_FAIL: Int8 = 0 in 0 .. 3;
+        SIM_ENGINE_MUL: Real32 = 1 in 0 .. 1;
+        SIM_ENG_STUCK: Int8 = 0 in 0 .. 3;
+        SIM_BATT_VOLTAGE: Real32 = 12.6 in 0 .. 100;
+        SIM_BATT_LEFT: Real32 = -1 in -1 .. 100;
+        SIM_EKF_FAIL: Int8 = 0 in 0 .. 1;
+        SIM_REBOOT: Int8 = 0 in 0 .. 1;
+        SIM_LNK_LOSS: Real32 = 0 in 0 .. 100;
+        SIM_LNK_DELAY: Real32 = 0 in 0 .. 60000;
+        SIM_LNK_JITTER: Real32 = 0 in 0 .. 60000;
+        SIM_LNK_DUP: Real32 = 0 in 0 .. 100;
+        SIM_LNK_REORDER: Real32 = 0 in 0 .. 100;
+        SIM_LNK_CORRUPT: Real32 = 0 in 0 .. 100;
+        SIM_LNK_OUTAGE: Real32 = 0 in 0 .. 3600;
+        SIM_LNK_NUMBER: Int32 = -1 in -1 .. 2147483000;
     }
 
     pub(super) fn definitions() -> Vec<Definition> {
