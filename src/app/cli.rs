@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 
+use super::boat::BoatArgs;
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
 use super::config_command::ConfigCommand;
@@ -13,6 +14,7 @@ use super::demo::DemoArgs;
 use super::mission::MissionCommand;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
+use super::tune::TuneArgs;
 
 /// Steers an uncrewed boat along its mission, or simulates one.
 #[derive(Debug, Parser)]
@@ -45,6 +47,10 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
+    /// Find gains by search in simulation
+    Tune(Box<TuneArgs>),
+    /// Write a boat file by rule, from length, top speed and turning circle
+    Boat(Box<BoatArgs>),
     /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
@@ -85,6 +91,8 @@ impl Command {
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
+            Self::Tune(args) => &args.common,
+            Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),
             Self::Config(command) => command.common(),
         }
