@@ -1,7 +1,11 @@
 //! `helmlink bridge`: steers a boat through its flight controller.
 
+mod figures;
+mod lateness;
 mod links;
 mod memory;
+mod operation;
+mod service_manager;
 mod signing;
 
 use std::fs::{self, File};
@@ -14,6 +18,7 @@ use helmlink_wire::Identity;
 
 use self::links::LinkArgs;
 use self::memory::Memory;
+use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
@@ -105,11 +110,16 @@ pub struct BridgeArgs {
     pub state: StateDirArgs,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub operation: OperationArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub common: Common,
 }
 
 /// After Ctrl-C the bridge has this long to stop the boat and let go.
 const STOPPING: Duration = Duration::from_secs(5);
+/// Longest wait for a heartbeat that is not for ever, seconds: a day.
+const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
 const RATES_HZ: (f64, f64) = (2.0, 50.0);
 
@@ -150,6 +160,12 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
         return Err(Failure::usage(format!(
             "--rate {}: choose {} to {} Hz",
             args.rate, RATES_HZ.0, RATES_HZ.1
+        )));
+    }
+    if !(0.0..=LONGEST_WAIT_S).contains(&args.wait) {
+        return Err(Failure::usage(format!(
+            "--wait {}: give 0 (for ever) to {LONGEST_WAIT_S} seconds",
+            args.wait
         )));
     }
     let speed_range = 0.1..=boat.limits.speed_max_mps;
@@ -195,15 +211,19 @@ async fn drive(
     url: &LinkUrl,
     settings: BridgeSettings,
     mut memory: Option<Memory>,
-    mut signing: Option<SigningStore>,
+    signing: Option<SigningStore>,
     mut log: Option<LogFile>,
 ) -> Result<(), Failure> {
+    let interval = Duration::from_secs_f64(settings.control_interval_s);
+    let mut operation = Operation::start(&args.operation, interval).await?;
     let mut bridge = Bridge::new(settings);
     if log.is_some() {
         bridge.keep_journal(unix_time_us());
     }
     let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    operation.keep(signing);
     let mut edge = Edge::new(guarded, hub, TICK);
+    operation.ready();
     let mut watch = Watch::new(args);
     let mut interrupt = std::pin::pin!(interrupted());
     let ending = loop {
@@ -217,9 +237,7 @@ async fn drive(
         if let Some(memory) = &mut memory {
             memory.keep(edge.now(), &mut edge.party);
         }
-        if let Some(store) = &mut signing {
-            store.save_when_due(edge.now(), edge.party.gate.timestamp());
-        }
+        operation.after_turn(&edge);
         if let Some(ending) = watch.ending(&edge, url) {
             break ending;
         }
@@ -228,9 +246,7 @@ async fn drive(
     if let Some(memory) = &mut memory {
         memory.keep(edge.now(), &mut edge.party);
     }
-    if let Some(store) = &mut signing {
-        store.save(edge.party.gate.timestamp());
-    }
+    operation.end(&edge);
     edge.close().await;
     ending
 }
@@ -247,7 +263,7 @@ struct Watch {
 
 impl Watch {
     fn new(args: &BridgeArgs) -> Self {
-        let wait = Duration::try_from_secs_f64(args.wait).unwrap_or(Duration::MAX);
+        let wait = Duration::from_secs_f64(args.wait);
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
@@ -267,7 +283,7 @@ impl Watch {
         if self.found.is_none() && edge.now() > self.wait {
             let seconds = self.wait.as_secs_f64();
             return Some(Err(Failure::no_link(format!(
-                "no heartbeat of a flight controller on {url} for {seconds:.0} s: check that it is powered, the \
+                "no heartbeat of a flight controller on {url} for {seconds} s: check that it is powered, the \
                  address and the baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2); --wait 0 waits for ever"
             ))));
         }

@@ -400,6 +400,7 @@ impl Bridge {
                 if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
                     self.links.send(self.driver_now, vehicle.link, own, &answer);
                 }
+                self.tell_delay();
             }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => {
@@ -429,6 +430,13 @@ impl Bridge {
                     self.control_step();
                 }
             }
+        }
+    }
+
+    /// Tells the controller how long its commands are under way, in the vehicle's time.
+    fn tell_delay(&mut self) {
+        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
+            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
         }
     }
 
@@ -665,6 +673,7 @@ impl Bridge {
             self.event(enums::MAV_SEVERITY_NOTICE, text);
         }
         self.run = Some(run);
+        self.tell_delay();
         self.current.clear();
         self.watch.on_new_way();
         if self.supervisor.state() == State::Engaged {

@@ -143,6 +143,7 @@ impl Bridge {
         {
             self.engage_run();
         }
+        self.tell_delay();
     }
 }
 
