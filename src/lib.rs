@@ -15,6 +15,8 @@
 //! | [`pilot`] | the mission as a step function, and the safety state machine | sockets, clocks |
 //! | [`bridge`] | all of that behind bytes in, bytes out | sockets, clocks |
 //! | [`simulation`] | the bridge and the simulated boat in one process, and the score | sockets, clocks |
+//! | [`record`] | what a bridge records of itself, so that it can be replayed | files |
+//! | [`replay`] | logs through the controller: proof, what-if, comparison, play | sockets, clocks |
 //! | [`report`] | a run as a picture | where the run came from |
 //! | [`link`] | UDP, TCP, serial and in-memory transports | what the bytes mean |
 //! | [`app`] | the subcommands | |
@@ -27,6 +29,8 @@ pub mod control;
 pub mod guidance;
 pub mod link;
 pub mod pilot;
+pub mod record;
+pub mod replay;
 pub mod report;
 pub mod simulation;
 pub mod vehicle;

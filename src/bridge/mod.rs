@@ -41,6 +41,7 @@ use self::reporting::Reporter;
 use self::steering::Steering;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
+use crate::record::{ControlState, Header, Journal};
 use crate::vehicle::output::{self, Output};
 use crate::vehicle::telemetry::{Sender, Update, classify};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
@@ -130,19 +131,31 @@ impl Bridge {
         bridge
     }
 
-    /// Keeps everything received and sent for [`Self::take_journal`]; the driver's time zero is
-    /// `unix_start_us` microseconds after the Unix epoch.
+    /// Keeps everything received and sent, and what is needed to make the same calls again, for
+    /// [`Self::take_journal`]. The driver's time zero is `unix_start_us` microseconds after the Unix epoch.
+    /// To be called before anything else happens: see [`crate::record`].
     pub fn keep_journal(&mut self, unix_start_us: u64) {
-        self.links.keep_journal(unix_start_us);
+        self.links.keep_journal(Journal::new(&Header::new(unix_start_us, &self.settings)));
     }
 
-    /// Telemetry log records since the last call.
+    /// Telemetry log records since the last call, whole ones only.
     pub fn take_journal(&mut self) -> Vec<u8> {
-        self.links.take_journal()
+        self.links.journal().map(Journal::take).unwrap_or_default()
+    }
+
+    /// The last records of the log: nothing that happens afterwards can be proven from it.
+    pub fn finish_journal(&mut self) -> Vec<u8> {
+        self.links.journal().map(Journal::finish).unwrap_or_default()
+    }
+
+    /// The records with which every file of the log begins; those of the first are in [`Self::take_journal`] too.
+    pub fn journal_header(&mut self) -> Vec<u8> {
+        self.links.journal().map(|journal| journal.header().to_vec()).unwrap_or_default()
     }
 
     /// A peer has appeared. It hears from the bridge at once.
     pub fn link_up(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.link_up(now, link));
         self.advance(now);
         self.links.add(now, link);
         self.send_heartbeat();
@@ -150,6 +163,7 @@ impl Bridge {
 
     /// A peer has gone.
     pub fn link_down(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.link_down(now, link));
         self.advance(now);
         self.links.remove(link);
         if self.vehicle.is_some_and(|vehicle| vehicle.link == link) {
@@ -161,6 +175,7 @@ impl Bridge {
 
     /// Bytes of a peer have arrived; `is_datagram` when they are one whole datagram.
     pub fn on_bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        self.record(|journal| journal.bytes(now, link, bytes, is_datagram));
         self.advance(now);
         self.housekeeping();
         self.links.push(now, link, bytes, is_datagram);
@@ -169,6 +184,7 @@ impl Bridge {
 
     /// Time has passed. Call it every [`TICK`].
     pub fn on_tick(&mut self, now: Duration) {
+        self.record(|journal| journal.tick(now));
         self.advance(now);
         self.links.flush_idle(now);
         let links: Vec<LinkId> = self.links.ids().collect();
@@ -193,7 +209,12 @@ impl Bridge {
     /// # Errors
     /// Why it will not be done.
     pub fn request(&mut self, now: Duration, request: Request) -> Result<(), &'static str> {
+        self.record(|journal| journal.request(now, &request));
         self.advance(now);
+        self.take_request(request)
+    }
+
+    fn take_request(&mut self, request: Request) -> Result<(), &'static str> {
         if matches!(request, Request::Engage { .. })
             && let Some(vehicle) = self.vehicle
         {
@@ -224,6 +245,11 @@ impl Bridge {
         self.run.as_ref()
     }
 
+    /// What the controller took in and thought at the last step, once there was one.
+    pub fn thought(&self) -> Option<ControlState> {
+        self.steering.thought
+    }
+
     /// Why this vehicle cannot be steered at all, if so.
     pub fn refusal(&self) -> Option<&str> {
         self.refusal.as_deref()
@@ -239,6 +265,13 @@ impl Bridge {
         self.links.commands_digest()
     }
 
+    /// Lets the journal, if one is kept, take something down.
+    fn record(&mut self, write: impl FnOnce(&mut Journal)) {
+        if let Some(journal) = self.links.journal() {
+            write(journal);
+        }
+    }
+
     fn advance(&mut self, now: Duration) {
         self.driver_now = self.driver_now.max(now);
         self.now = self.clock.advance(now);
@@ -249,7 +282,7 @@ impl Bridge {
     }
 
     fn drain(&mut self, link: LinkId) {
-        while let Some((from, message)) = self.links.next_message(self.driver_now, link) {
+        while let Some((from, message)) = self.links.next_message(link) {
             self.on_message(link, from, &message);
         }
     }
@@ -384,11 +417,11 @@ impl Bridge {
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
-        self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+        self.links.send(link, own, &command.acknowledge(from, result));
     }
 
     fn obey(&mut self, request: Request) -> u8 {
-        match self.request(self.driver_now, request) {
+        match self.take_request(request) {
             Ok(()) => enums::MAV_RESULT_ACCEPTED,
             Err(why) => {
                 self.event(enums::MAV_SEVERITY_WARNING, format!("command refused: {why}"));
@@ -439,19 +472,19 @@ impl Bridge {
 
     /// Sends what is due to be asked of the flight controller.
     fn ask(&mut self, vehicle: Vehicle) {
-        let (own, now) = (self.own(vehicle.id), self.driver_now);
+        let own = self.own(vehicle.id);
         let Vehicle { link, id } = vehicle;
         while let Some(message) = self.streams.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.mission.poll(self.now, own, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.current.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
     }
 
@@ -516,6 +549,7 @@ impl Bridge {
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {
         let event = Event { severity, text: text.into() };
+        self.record(|journal| journal.event(event.severity, &event.text));
         self.announce(&event);
         if self.events.len() >= EVENT_LIMIT {
             self.events.pop_front();

@@ -63,7 +63,7 @@ impl Bridge {
             ..HEARTBEAT_DATA::DEFAULT
         });
         let own = self.own_or_default();
-        self.links.broadcast(self.driver_now, own, &heartbeat);
+        self.links.broadcast(own, &heartbeat);
     }
 
     /// MISSION_CURRENT while the bridge drives: in the mode it steers in, the firmware reports none of this.
@@ -117,7 +117,7 @@ impl Bridge {
     fn tell(&mut self, message: &Message) {
         if let Some(vehicle) = self.vehicle {
             let own = self.own(vehicle.id);
-            self.links.send(self.driver_now, vehicle.link, own, message);
+            self.links.send(vehicle.link, own, message);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
+use serde::{Deserialize, Serialize};
 
 use crate::pilot::supervisor::Limits;
 use crate::vehicle::{Mode, OutputKind};
@@ -10,7 +11,8 @@ use crate::vehicle::{Mode, OutputKind};
 pub const COMPONENT: u8 = helmlink_wire::enums::MAV_COMP_ID_ONBOARD_COMPUTER;
 
 /// Where the mission comes from.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MissionSource {
     /// The one on the flight controller, read by the mission protocol.
     Vehicle,
@@ -19,7 +21,7 @@ pub enum MissionSource {
 }
 
 /// Settings of a [`super::Bridge`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct BridgeSettings {
     /// The controller's model, limits and gains.
     pub boat: crate::control::Boat,

@@ -6,6 +6,7 @@ use super::{Bridge, REQUEST_REPEAT, Vehicle};
 use crate::control::Diagnostics;
 use crate::pilot::MissionRun;
 use crate::pilot::supervisor::{Conditions, Duty, Reason, State, Transition};
+use crate::record::ControlState;
 use crate::vehicle::estimate::vessel_state;
 use crate::vehicle::output::Demand;
 use crate::vehicle::streams::{command_long, set_mode};
@@ -19,11 +20,12 @@ pub(super) struct Steering {
     pub(super) demand: Demand,
     pub(super) diagnostics: Diagnostics,
     pub(super) steps: u64,
+    pub(super) thought: Option<ControlState>,
 }
 
 impl Default for Steering {
     fn default() -> Self {
-        Self { demand: Demand::NEUTRAL, diagnostics: Diagnostics::default(), steps: 0 }
+        Self { demand: Demand::NEUTRAL, diagnostics: Diagnostics::default(), steps: 0, thought: None }
     }
 }
 
@@ -110,7 +112,7 @@ impl Bridge {
         if self.last_request.is_none_or(|then| self.now.saturating_sub(then) >= REQUEST_REPEAT) {
             self.last_request = Some(self.now);
             let own = self.own(vehicle.id);
-            self.links.send(self.driver_now, vehicle.link, own, &message);
+            self.links.send(vehicle.link, own, &message);
         }
     }
 
@@ -146,6 +148,10 @@ impl Bridge {
                 self.steering.demand = step.demand;
                 self.steering.diagnostics = step.diagnostics;
                 self.steering.steps += 1;
+                let progress = run.progress();
+                let thought = ControlState::new(boot_s, &state, &progress, &step.demand, &step.diagnostics);
+                self.steering.thought = Some(thought);
+                self.record(|journal| journal.stepped(&thought));
                 for index in step.reached.0..step.reached.1 {
                     self.on_waypoint_reached(index);
                 }
@@ -179,7 +185,7 @@ impl Bridge {
 
     fn send_command(&mut self, vehicle: Vehicle, message: &Message) {
         let from = self.settings.steering_identity(self.own(vehicle.id));
-        self.links.command(self.driver_now, vehicle.link, from, message);
+        self.links.command(vehicle.link, from, message);
     }
 }
 

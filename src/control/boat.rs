@@ -6,7 +6,7 @@
 mod ranges;
 
 use helmlink_mission::path::PathLimits;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::control::allocation::{CircleSettings, RudderSettings, TwinSettings};
@@ -23,7 +23,7 @@ const EMBEDDED: [(&str, &str); 4] = [
 ];
 
 /// One boat, checked.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boat {
     /// Short name.
@@ -43,7 +43,7 @@ pub struct Boat {
 }
 
 /// Actuators of a boat.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Actuators {
     /// Two fixed thrusters behind the autopilot's skid-steer mixer.
@@ -55,7 +55,7 @@ pub enum Actuators {
 }
 
 /// What the boat may be asked to do.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Speed over ground where neither the user nor the mission says, m/s.
@@ -77,7 +77,7 @@ pub struct Limits {
 }
 
 /// Gains of the adaptive PI sliding-mode controller.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlSettings {
     /// Heading gain k_ψ, 1/s.

@@ -20,13 +20,13 @@ pub mod virtual_ship;
 
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::Path;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use practical::Practical;
 pub use state::{StateError, VesselState};
 
 /// Guidance gains of a boat.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuidanceSettings {
     /// Least look-ahead l_d, m.

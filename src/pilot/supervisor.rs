@@ -12,10 +12,12 @@
 use std::collections::VecDeque;
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::vehicle::Mode;
 
 /// Age limits and waiting times, in seconds of vehicle time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 pub struct Limits {
     /// A flight controller whose heartbeat is older than this is gone.
     pub heartbeat_s: f64,
@@ -74,7 +76,7 @@ pub struct Conditions {
 }
 
 /// What somebody asks of the bridge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Request {
     /// Drive the mission; waits for readiness and arming where `patient`.
     Engage {

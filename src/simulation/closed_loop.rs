@@ -134,7 +134,8 @@ impl ClosedLoop {
 
     /// What was recorded of the run, and the log of all frames where the bridge kept one.
     pub fn into_recorder(mut self) -> (RunRecorder, Vec<u8>) {
-        let journal = self.bridge.take_journal();
+        let mut journal = self.bridge.take_journal();
+        journal.extend(self.bridge.finish_journal());
         (self.recorder, journal)
     }
 }

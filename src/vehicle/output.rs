@@ -8,12 +8,14 @@ use std::str::FromStr;
 
 use helmlink_wire::dialect::{MANUAL_CONTROL_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA};
 use helmlink_wire::{Identity, Message, enums};
+use serde::{Deserialize, Serialize};
 
 use super::modes::Mode;
 use super::parameters::ParameterReader;
 
 /// By which messages the boat is steered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum OutputKind {
     /// RC_CHANNELS_OVERRIDE of the steering and the throttle channel, in MANUAL: the quickest and most exact path.
     RcOverride,

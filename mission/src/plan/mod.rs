@@ -16,6 +16,7 @@ use std::str::FromStr;
 pub use command::CommandName;
 pub use error::{Fault, Place, PlanError};
 pub use item::Item;
+use serde::{Deserialize, Serialize};
 
 use crate::geodesy::Geodetic;
 
@@ -27,7 +28,7 @@ const MAX_FILE_MB: u64 = 64;
 const EXCERPT_CHARS: usize = 40;
 
 /// A mission: what to do, in order.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 pub struct Mission {
     /// Where the boat was launched, when the source says so.
     pub home: Option<Geodetic>,
