@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`settings`] | what the user decides beforehand |
 //! | [`status`] | what the bridge tells its surroundings |
+//! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
 //! | `commands` | commands to the bridge itself |
@@ -16,6 +17,7 @@
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
+pub mod controller_state;
 mod follow;
 mod links;
 mod mission;
