@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand};
 
 use super::bridge::BridgeArgs;
+use super::compare::CompareArgs;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
 use super::simulate::SimulateArgs;
@@ -40,6 +41,8 @@ pub enum Command {
     Sitl(Box<SitlArgs>),
     /// Drive a mission in simulation as fast as the machine allows, and report how well
     Simulate(Box<SimulateArgs>),
+    /// Drive a mission with every controller in many seas, and compare them
+    Compare(Box<CompareArgs>),
     /// Look at mission files
     #[command(subcommand)]
     Mission(MissionCommand),
@@ -73,6 +76,7 @@ impl Command {
             Self::Bridge(args) => &args.common,
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
+            Self::Compare(args) => &args.common,
             Self::Mission(command) => command.common(),
         }
     }

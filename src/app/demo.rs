@@ -18,11 +18,11 @@ use super::ground_station::GroundStation;
 use super::mission::{self, Drivable};
 use super::paced_sitl::{self, PacedSitl};
 use super::result::{self, RunResult, Subject};
-use super::simulate::{check_speed, output_name};
 use super::sitl;
+use super::trial::check_speed;
 use super::world::{World, WorldArgs};
 use crate::bridge::{Bridge, BridgeSettings, Status, TICK};
-use crate::control::Boat;
+use crate::control::{Boat, Controller};
 use crate::link::{Hub, LinkSettings, LinkUrl};
 use crate::pilot::supervisor::State;
 use crate::simulation::{Outcome, RunRecorder};
@@ -200,8 +200,7 @@ impl Demo {
             commands,
             complaint: None,
         };
-        let subject =
-            Subject { mission: drivable.name, world, controller: "pi-smc", output: output_name(args.output) };
+        let subject = Subject::of(drivable.name, world, Controller::default().as_str(), args.output.as_str());
         let result = RunResult::new(&subject, outcome, self.boat.now().as_secs_f64());
         result::write_report(&args.report, &result, world, self.recorder, &self.log)?;
         if args.common.json {

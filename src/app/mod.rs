@@ -2,6 +2,7 @@
 
 mod bridge;
 pub mod cli;
+mod compare;
 mod config;
 mod console;
 mod demo;
@@ -13,6 +14,7 @@ mod paced_sitl;
 mod result;
 mod simulate;
 mod sitl;
+mod trial;
 mod world;
 
 use std::ffi::OsString;
@@ -73,6 +75,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Bridge(args) => bridge::run(&args),
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Mission(command) => mission::run(&command),
     }
 }

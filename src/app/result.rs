@@ -21,8 +21,8 @@ pub(super) struct RunResult {
     sea: String,
     sensors: String,
     seed: u64,
-    completed: bool,
-    simulated_s: f64,
+    pub(super) completed: bool,
+    pub(super) simulated_s: f64,
     #[serde(flatten)]
     score: Option<Score>,
     realtime_factor: f64,
@@ -35,21 +35,44 @@ pub(super) struct RunResult {
 /// What was run, for the result.
 pub(super) struct Subject<'a> {
     pub(super) mission: String,
-    pub(super) world: &'a World,
+    pub(super) boat: &'a str,
+    pub(super) sea: &'a str,
+    pub(super) sensors: &'a str,
+    pub(super) seed: u64,
     pub(super) controller: &'static str,
     pub(super) output: &'static str,
+}
+
+impl<'a> Subject<'a> {
+    /// A run in this world.
+    pub(super) fn of(
+        mission: String,
+        world: &'a World,
+        controller: &'static str,
+        output: &'static str,
+    ) -> Self {
+        Self {
+            mission,
+            boat: &world.hull.name,
+            sea: &world.sea_text,
+            sensors: &world.sensors_text,
+            seed: world.seed,
+            controller,
+            output,
+        }
+    }
 }
 
 impl RunResult {
     pub(super) fn new(subject: &Subject<'_>, outcome: Outcome, wall_s: f64) -> Self {
         Self {
             mission: subject.mission.clone(),
-            boat: subject.world.hull.name.clone(),
+            boat: subject.boat.to_owned(),
             controller: subject.controller,
             output: subject.output,
-            sea: subject.world.sea_text.clone(),
-            sensors: subject.world.sensors_text.clone(),
-            seed: subject.world.seed,
+            sea: subject.sea.to_owned(),
+            sensors: subject.sensors.to_owned(),
+            seed: subject.seed,
             completed: outcome.completed,
             simulated_s: outcome.simulated_s,
             score: outcome.score,
@@ -58,6 +81,37 @@ impl RunResult {
             commands_sha256: outcome.commands_sha256,
             complaint: outcome.complaint,
         }
+    }
+
+    /// The figures; none when the first waypoint was never reached.
+    pub(super) fn score(&self) -> Option<&Score> {
+        self.score.as_ref()
+    }
+
+    /// One line of a table of runs, in the order of [`super::compare`]'s heading.
+    pub(super) fn csv_line(&self, perturbation: &str) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let names = [&self.mission, &self.boat, self.controller, &self.sea, &self.sensors, perturbation]
+            .map(quoted)
+            .join(",");
+        let rms = |spread: Option<Spread>| spread.map_or(String::new(), |spread| spread.rms.to_string());
+        let figures = self.score.as_ref().map_or(",".repeat(10), |score| {
+            [
+                score.duration_s.to_string(),
+                score.distance_m.to_string(),
+                rms(score.cross_track_m),
+                rms(score.cross_track_settled_m),
+                rms(score.cross_track_straight_m),
+                rms(score.path_error_m),
+                score.path_error_m.map_or(String::new(), |spread| spread.max.to_string()),
+                score.speed_error_mps.rms.to_string(),
+                score.steering_variation_per_min.to_string(),
+                score.effort.to_string(),
+                String::new(),
+            ]
+            .join(",")
+        });
+        format!("{names},{},{},{figures}{}\n", self.seed, self.completed, self.commands_sha256)
     }
 
     /// The mission was driven to its end.

@@ -87,20 +87,25 @@ pub(super) fn build(
     toward: Option<Geodetic>,
     realistic_startup: bool,
 ) -> Result<Sitl, Failure> {
-    let given = world.home.and_then(|(_, heading)| heading);
-    let toward = toward.map(|place| LocalFrame::new(home).to_local(place).bearing_rad());
     let mut settings = SitlSettings {
         sea: world.sea,
         sensors: world.sensors,
         seed: world.seed,
         home,
-        heading_rad: given.or(toward).unwrap_or(0.0),
+        heading_rad: heading_rad(world, home, toward),
         ..SitlSettings::new(world.hull.clone())
     };
     if realistic_startup {
         settings.autopilot.start_up = StartUp::realistic();
     }
     Sitl::new(settings).map_err(Failure::usage)
+}
+
+/// Where the bow points at the start: where the user says, or `toward` a place, or north.
+pub(super) fn heading_rad(world: &World, home: Geodetic, toward: Option<Geodetic>) -> f64 {
+    let given = world.home.and_then(|(_, heading)| heading);
+    let toward = toward.map(|place| LocalFrame::new(home).to_local(place).bearing_rad());
+    given.or(toward).unwrap_or(0.0)
 }
 
 /// Puts a mission on board, as if it had been uploaded.

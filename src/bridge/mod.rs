@@ -532,8 +532,8 @@ impl Bridge {
                     .speed_mps
                     .or_else(|| output::full_speed_mps(&self.parameters))
                     .unwrap_or(self.settings.boat.limits.cruise_mps);
-                self.run =
-                    Some(MissionRun::new(route, self.settings.boat.clone(), RunSettings { speed_mps }));
+                let settings = RunSettings { speed_mps, controller: self.settings.controller };
+                self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.event(enums::MAV_SEVERITY_INFO, text);
             }
             Some(News::Unusable(text)) => {

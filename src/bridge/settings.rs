@@ -4,6 +4,7 @@ use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
 use serde::{Deserialize, Serialize};
 
+use crate::control::Controller;
 use crate::pilot::supervisor::Limits;
 use crate::vehicle::{Mode, OutputKind};
 
@@ -25,6 +26,8 @@ pub enum MissionSource {
 pub struct BridgeSettings {
     /// The controller's model, limits and gains.
     pub boat: crate::control::Boat,
+    /// The controller.
+    pub controller: Controller,
     /// Where the mission comes from.
     pub mission: MissionSource,
     /// By which messages the boat is steered.
@@ -54,6 +57,7 @@ impl BridgeSettings {
     pub fn new(boat: crate::control::Boat) -> Self {
         Self {
             boat,
+            controller: Controller::default(),
             mission: MissionSource::Vehicle,
             output: OutputKind::RcOverride,
             speed_mps: None,

@@ -13,6 +13,7 @@
 use nalgebra::Vector4;
 use serde::{Deserialize, Serialize};
 
+use super::filter::CommandFilter;
 use super::model::regressor;
 
 /// Anti-windup rate as a part of k. At a_c = k the χ terms cancel out of τ; above it the law amplifies
@@ -91,7 +92,7 @@ pub struct SlidingAxis {
     freedom: Vector4<f64>,
     adaptation: Vector4<f64>,
     parameters: Vector4<f64>,
-    filtered: f64,
+    filter: CommandFilter,
     integral: f64,
     anti_windup: f64,
     disturbance: f64,
@@ -114,7 +115,7 @@ impl SlidingAxis {
             settings,
             nominal,
             parameters: nominal,
-            filtered: 0.0,
+            filter: CommandFilter::default(),
             integral: 0.0,
             anti_windup: 0.0,
             disturbance: 0.0,
@@ -128,7 +129,7 @@ impl SlidingAxis {
     /// Forgets everything learned and starts from the measured `actual` rate without a jump.
     pub fn engage(&mut self, actual: f64) {
         self.parameters = self.nominal;
-        self.filtered = actual;
+        self.filter = CommandFilter::starting_at(actual);
         self.integral = 0.0;
         self.anti_windup = 0.0;
         self.disturbance = 0.0;
@@ -139,9 +140,9 @@ impl SlidingAxis {
 
     /// Moves the command filter and returns the demanded force (N) or moment (N·m).
     pub fn demand(&mut self, dt_s: f64, input: &AxisInput) -> f64 {
-        let rate = self.filter(dt_s, input.target);
         let g = &self.settings;
-        self.error = self.filtered - input.actual;
+        let rate = self.filter.step(dt_s, input.target, g.filter_s, g.acceleration_max);
+        self.error = self.filter.value() - input.actual;
         self.surface = self.error + g.integral_slope * self.integral - self.anti_windup;
         let felt = input.actual - input.drift + g.damping_at_command * self.error;
         self.regressor = regressor(input.coupling, felt);
@@ -151,16 +152,6 @@ impl SlidingAxis {
             + ANTI_WINDUP_PART * g.reaching_gain * self.anti_windup;
         self.demand = acceleration / input.effect;
         self.demand
-    }
-
-    /// Command filter: first order, its rate limited. Returns the exact rate β̇.
-    fn filter(&mut self, dt_s: f64, target: f64) -> f64 {
-        let g = &self.settings;
-        // The mean rate of the exact first-order response over the step: stable however long the step.
-        let rate = (target - self.filtered) * (-(-dt_s / g.filter_s).exp_m1()) / dt_s;
-        let rate = rate.clamp(-g.acceleration_max, g.acceleration_max);
-        self.filtered += rate * dt_s;
-        rate
     }
 
     /// Integrates surface, anti-windup and estimates, given what the actuators made of the last demand.
@@ -200,7 +191,7 @@ impl SlidingAxis {
     /// Filtered command β, unit/s.
     #[must_use]
     pub fn filtered(&self) -> f64 {
-        self.filtered
+        self.filter.value()
     }
 
     /// Estimated disturbance bound δ̂, unit/s².

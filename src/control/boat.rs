@@ -11,6 +11,8 @@ use thiserror::Error;
 
 use crate::control::allocation::{CircleSettings, RudderSettings, TwinSettings};
 use crate::control::axis::AxisSettings;
+use crate::control::baselines::Baselines;
+use crate::control::gains;
 use crate::control::model::Hull;
 use crate::guidance::GuidanceSettings;
 
@@ -22,9 +24,40 @@ const EMBEDDED: [(&str, &str); 4] = [
     ("skiff", include_str!("boats/skiff.toml")),
 ];
 
+/// Gains of the baselines, tuned for the boats that come with Helmlink.
+const EMBEDDED_GAINS: [(&str, &str); 4] = [
+    ("otter", include_str!("gains/otter.toml")),
+    ("monohull38", include_str!("gains/monohull38.toml")),
+    ("motorboat", include_str!("gains/motorboat.toml")),
+    ("skiff", include_str!("gains/skiff.toml")),
+];
+
+/// A boat as its file has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoatFile {
+    name: String,
+    description: String,
+    hull: Hull,
+    actuators: Actuators,
+    limits: Limits,
+    guidance: GuidanceSettings,
+    control: ControlSettings,
+    /// Where they are not given they follow from the boat's own gains.
+    baselines: Option<Baselines>,
+}
+
+impl From<BoatFile> for Boat {
+    fn from(file: BoatFile) -> Self {
+        let BoatFile { name, description, hull, actuators, limits, guidance, control, baselines } = file;
+        let baselines = baselines.unwrap_or_else(|| Baselines::matching(&guidance, &control));
+        Self { name, description, hull, actuators, limits, guidance, control, baselines }
+    }
+}
+
 /// One boat, checked.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "BoatFile")]
 pub struct Boat {
     /// Short name.
     pub name: String,
@@ -40,6 +73,8 @@ pub struct Boat {
     pub guidance: GuidanceSettings,
     /// Controller gains.
     pub control: ControlSettings,
+    /// Gains of the controllers it is compared with.
+    pub baselines: Baselines,
 }
 
 /// Actuators of a boat.
@@ -102,6 +137,9 @@ pub enum BoatError {
     /// Not TOML, an unknown key, a missing key or a wrong type.
     #[error("the boat file cannot be read: {0}")]
     Syntax(#[from] Box<toml::de::Error>),
+    /// Gains that do not fit the boat.
+    #[error("{0}")]
+    Gains(String),
     /// A value outside its range.
     #[error("{key} = {value} is outside its range: it must be between {least} and {most} ({meaning})")]
     Range {
@@ -143,7 +181,11 @@ impl Boat {
             let known = Self::names().collect::<Vec<_>>().join(", ");
             return Err(BoatError::Unknown { name: name.to_owned(), known });
         };
-        Self::from_toml(text)
+        let mut boat = Self::from_toml(text)?;
+        if let Some((_, gains)) = EMBEDDED_GAINS.iter().find(|(known, _)| *known == name) {
+            gains::apply(&mut boat, gains).map_err(|error| BoatError::Gains(error.to_string()))?;
+        }
+        Ok(boat)
     }
 
     /// A boat from the text of a file.

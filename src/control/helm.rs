@@ -6,14 +6,12 @@ use thiserror::Error;
 use super::allocation::{Allocator, Situation};
 use super::boat::Boat;
 use super::command::Command;
+use super::controller::{Controller, Equipment};
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
-use super::pi_smc::PiSmc;
 use super::predictor::Predictor;
 use crate::guidance::drift::DriftEstimator;
-use crate::guidance::{
-    EndOfPath, Guidance, GuidanceInput, Practical, Reference, StateError, VesselState, Water, unit,
-};
+use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError, VesselState, Water, unit};
 
 /// Shortest step taken, s.
 pub const MIN_STEP_S: f64 = 1.0e-4;
@@ -84,6 +82,7 @@ pub struct Helm {
     hull: Hull,
     speed_max_mps: f64,
     drift_time_s: f64,
+    equipment: Equipment,
     guidance: Box<dyn Guidance>,
     law: Box<dyn Law>,
     allocator: Allocator,
@@ -97,19 +96,19 @@ impl Helm {
     /// The practical guidance with the adaptive PI sliding-mode controller.
     #[must_use]
     pub fn new(boat: &Boat, end: EndOfPath) -> Self {
-        let guidance = Practical::new(boat.guidance.clone(), boat.limits.clone(), boat.hull.clone(), end);
-        Self::with_laws(boat, Box::new(guidance), Box::new(PiSmc::new(boat)))
+        Self::with_controller(boat, Controller::PiSmc, end)
     }
 
-    /// Any guidance with any law.
+    /// A controller by name.
     #[must_use]
-    pub fn with_laws(boat: &Boat, guidance: Box<dyn Guidance>, law: Box<dyn Law>) -> Self {
+    pub fn with_controller(boat: &Boat, controller: Controller, end: EndOfPath) -> Self {
         Self {
+            equipment: controller.equipment(),
+            guidance: controller.guidance(boat, end),
+            law: controller.law(boat),
             hull: boat.hull.clone(),
             speed_max_mps: boat.limits.speed_max_mps,
             drift_time_s: boat.guidance.drift_time_s,
-            guidance,
-            law,
             allocator: Allocator::new(&boat.actuators, &boat.hull),
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
@@ -121,9 +120,11 @@ impl Helm {
     /// Tells the delay from the measurement of a state to the effect of the command made from it, s: telemetry's
     /// age, transport and the autopilot's loop, without the actuator's own lag. The state is then predicted across
     /// it with the commands already on their way, and [`Reference`] speaks of the predicted place. Clamped to
-    /// 0…[`super::predictor::MAX_DELAY_S`]; zero at first.
+    /// 0…[`super::predictor::MAX_DELAY_S`]; zero at first. A controller without prediction stays as it is.
     pub fn set_delay_s(&mut self, delay_s: f64) {
-        self.predictor.set_delay_s(delay_s);
+        if self.equipment.predicts {
+            self.predictor.set_delay_s(delay_s);
+        }
     }
 
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
@@ -139,7 +140,11 @@ impl Helm {
         self.law.engage(state.surge_mps, state.yaw_rate_radps);
         self.allocator.reset();
         self.sway = SwayModel::default();
-        self.drift = DriftEstimator::starting_at(state);
+        self.drift = if self.equipment.observes_water {
+            DriftEstimator::starting_at(state)
+        } else {
+            DriftEstimator::default()
+        };
         self.predictor.reset();
         self.side_force_n = 0.0;
         Ok(())
@@ -197,6 +202,13 @@ impl Helm {
 
     /// Moves the sway model and the drift estimate; returns the motion through the water.
     fn observe_water(&mut self, dt_s: f64, state: &VesselState) -> WaterMotion {
+        if !self.equipment.observes_water {
+            return WaterMotion {
+                surge_mps: state.surge_mps,
+                sway_mps: state.sway_mps,
+                yaw_rate_radps: state.yaw_rate_radps,
+            };
+        }
         let along = unit(state.heading_rad).dot(self.drift.current());
         let surge_mps = state.surge_mps - along;
         let rate = state.yaw_rate_radps;

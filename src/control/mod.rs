@@ -7,6 +7,10 @@
 //! | [`axis`] | one axis of the adaptive PI sliding-mode law |
 //! | [`pi_smc`] | both axes together |
 //! | [`law`] | the seam where other laws plug in |
+//! | [`baselines`] | the laws it is compared with |
+//! | [`controller`] | controllers by name |
+//! | [`gains`] | gains by name, and files of them |
+//! | [`filter`] | command filter |
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
 //! | [`command`] | throttle and steering, normalised |
 //! | [`predictor`] | the state when the command chosen now takes effect |
@@ -14,10 +18,14 @@
 
 pub mod allocation;
 pub mod axis;
+pub mod baselines;
 pub mod boat;
 #[cfg(test)]
 mod closed_loop_tests;
 pub mod command;
+pub mod controller;
+pub mod filter;
+pub mod gains;
 pub mod helm;
 pub mod law;
 pub mod model;
@@ -29,6 +37,7 @@ mod testing;
 
 pub use boat::{Boat, BoatError, Limits};
 pub use command::{Command, Wrench};
+pub use controller::Controller;
 pub use helm::{Diagnostics, Helm, HelmError, Output};
 pub use model::{Hull, SwayModel};
 pub use pi_smc::PiSmc;

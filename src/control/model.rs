@@ -92,6 +92,12 @@ impl Hull {
     }
 }
 
+/// Force (N) or moment (N·m) of damping at a speed (m/s) or yaw rate (rad/s), with its sign.
+#[must_use]
+pub fn damping_force([d1, d2, d3]: [f64; 3], rate: f64) -> f64 {
+    (d1 + d2 * rate.abs() + d3 * rate * rate) * rate
+}
+
 /// Regressor f of either axis: `[coupling, rate, |rate| rate, rate³]`.
 ///
 /// In surge `rate` is u and `coupling` is v r; in yaw `rate` is r and `coupling` is u v. All through the water.

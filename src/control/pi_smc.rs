@@ -2,7 +2,7 @@
 
 use super::allocation::Allocation;
 use super::axis::{AxisInput, AxisOutcome, SlidingAxis};
-use super::boat::Boat;
+use super::boat::{Boat, ControlSettings};
 use super::command::Wrench;
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::Hull;
@@ -22,7 +22,12 @@ impl PiSmc {
     /// The controller of a boat.
     #[must_use]
     pub fn new(boat: &Boat) -> Self {
-        let control = &boat.control;
+        Self::with_gains(boat, &boat.control)
+    }
+
+    /// The controller of a boat with gains of its own.
+    #[must_use]
+    pub fn with_gains(boat: &Boat, control: &ControlSettings) -> Self {
         // A tenth of the speed goes sideways in an ordinary turn.
         let sway = 0.1 * control.surge.typical_rate;
         let surge_coupling = sway * control.yaw.typical_rate;

@@ -9,21 +9,27 @@
 //! | [`drift`] | slow estimate of the current from the boat's drift |
 //! | [`speed`] | how fast the path ahead may be run |
 //! | [`practical`] | the guidance law put together |
+//! | [`to_virtual_ship`] | the paper's own guidance law |
+//! | [`line_of_sight`] | integral and adaptive line of sight |
 
 pub mod azimuth;
 pub mod drift;
+pub mod line_of_sight;
 pub mod practical;
 pub mod progress;
 pub mod speed;
 pub mod state;
+pub mod to_virtual_ship;
 pub mod virtual_ship;
 
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::Path;
 use serde::{Deserialize, Serialize};
 
+pub use line_of_sight::LineOfSight;
 pub use practical::Practical;
 pub use state::{StateError, VesselState};
+pub use to_virtual_ship::ToVirtualShip;
 
 /// Guidance gains of a boat.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -44,6 +50,14 @@ pub struct GuidanceSettings {
     pub speed_preview_s: f64,
     /// Least speed of the final approach, m/s.
     pub creep_mps: f64,
+}
+
+impl GuidanceSettings {
+    /// Look-ahead wanted at a speed, m.
+    #[must_use]
+    pub fn lead_at_m(&self, speed_mps: f64) -> f64 {
+        self.lead_m.max(self.lead_time_s * speed_mps)
+    }
 }
 
 /// What to do when the last waypoint comes near.

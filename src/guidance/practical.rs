@@ -65,20 +65,6 @@ impl Practical {
         }
     }
 
-    fn speed_limits(&self) -> SpeedLimits {
-        SpeedLimits {
-            turn_rate_radps: self.limits.turn_rate_radps,
-            lateral_acceleration_mps2: self.limits.lateral_acceleration_mps2,
-            deceleration_mps2: self.limits.deceleration_mps2,
-            creep_mps: self.settings.creep_mps,
-        }
-    }
-
-    /// Look-ahead wanted at a speed, m.
-    fn lead_m(&self, speed_mps: f64) -> f64 {
-        self.settings.lead_m.max(self.settings.lead_time_s * speed_mps)
-    }
-
     /// Heading error, kept on its side of ±π while the boat turns through a large angle.
     fn heading_error(&mut self, wanted_rad: f64, heading_rad: f64) -> f64 {
         let mut error = ssa(wanted_rad - heading_rad);
@@ -95,7 +81,7 @@ impl Practical {
 
 impl Guidance for Practical {
     fn engage(&mut self, state: &VesselState, progress_m: f64) {
-        self.ship = VirtualShip::at(progress_m + self.lead_m(state.surge_mps));
+        self.ship = VirtualShip::at(progress_m + self.settings.lead_at_m(state.surge_mps));
         self.progress_m = progress_m;
         self.planned_sway = SwayModel::default();
         self.slow_surge_mps = state.surge_mps;
@@ -110,9 +96,14 @@ impl Guidance for Practical {
         let foot_mps = foot_speed_mps(&here, velocity);
 
         let previewed_m = here.progress_m + foot_mps.max(0.0) * self.settings.speed_preview_s;
-        let speed_mps =
-            self.speed_limits().speed_mps(path, previewed_m, input.speed_mps, input.water.current, self.end);
-        let lead_m = self.lead_m(speed_mps);
+        let speed_mps = SpeedLimits::new(&self.limits, self.settings.creep_mps).speed_mps(
+            path,
+            previewed_m,
+            input.speed_mps,
+            input.water.current,
+            self.end,
+        );
+        let lead_m = self.settings.lead_at_m(speed_mps);
         self.ship.step(dt_s, here.progress_m, foot_mps, speed_mps, lead_m, self.settings.lead_softness_m);
 
         let ship = path.point(self.ship.progress_m());

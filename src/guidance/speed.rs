@@ -8,6 +8,7 @@ use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathPoint};
 
 use super::{EndOfPath, unit};
+use crate::control::Limits;
 
 /// Points of the path looked at, from the boat to where it could still stop.
 const SAMPLES: usize = 14;
@@ -29,6 +30,17 @@ pub struct SpeedLimits {
 }
 
 impl SpeedLimits {
+    /// The limits of a boat.
+    #[must_use]
+    pub fn new(limits: &Limits, creep_mps: f64) -> Self {
+        Self {
+            turn_rate_radps: limits.turn_rate_radps,
+            lateral_acceleration_mps2: limits.lateral_acceleration_mps2,
+            deceleration_mps2: limits.deceleration_mps2,
+            creep_mps,
+        }
+    }
+
     /// Largest speed over ground (m/s) at arc length `progress_m`, for a wanted `speed_mps`, in a `current`.
     #[must_use]
     pub fn speed_mps(

@@ -8,7 +8,7 @@ use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
 use helmlink_mission::path::{Path, PathError};
 use helmlink_mission::route::Route;
 
-use crate::control::{Boat, Diagnostics, Helm, HelmError};
+use crate::control::{Boat, Controller, Diagnostics, Helm, HelmError};
 use crate::guidance::{EndOfPath, VesselState};
 use crate::vehicle::output::Demand;
 
@@ -27,6 +27,8 @@ const SHORTEST_STEP_S: f64 = 1e-3;
 pub struct RunSettings {
     /// Speed over ground on legs for which the mission gives none, m/s.
     pub speed_mps: f64,
+    /// The controller.
+    pub controller: Controller,
 }
 
 /// Where the boat is on its mission.
@@ -118,7 +120,7 @@ impl MissionRun {
             wanted_speed_mps: settings.speed_mps,
             complete: false,
         };
-        let helm = Helm::new(&boat, EndOfPath::Stop);
+        let helm = Helm::with_controller(&boat, settings.controller, EndOfPath::Stop);
         Self {
             frame,
             route,

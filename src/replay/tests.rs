@@ -6,14 +6,14 @@ use helmlink_sitl::{Sitl, SitlSettings};
 use super::proof::{Proof, prove};
 use super::recording::{Recording, RecordingError};
 use crate::bridge::{Bridge, BridgeSettings};
-use crate::control::Boat;
+use crate::control::{Boat, Controller};
 use crate::simulation::ClosedLoop;
 use crate::vehicle::OutputKind;
 
 const OUTPUTS: [OutputKind; 3] = [OutputKind::RcOverride, OutputKind::ManualControl, OutputKind::Guided];
 
 /// A simulated boat in a rough sea with poor sensors that drives two short legs, recorded.
-fn recorded(output: OutputKind) -> (String, Vec<u8>) {
+fn recorded(controller: Controller, output: OutputKind) -> (String, Vec<u8>) {
     let home = helmlink_mission::geodesy::Geodetic::new(63.4389, 10.399);
     let frame = helmlink_mission::geodesy::LocalFrame::new(home);
     let items = [(25.0, 0.0), (40.0, 20.0)].map(|(north_m, east_m)| {
@@ -27,6 +27,7 @@ fn recorded(output: OutputKind) -> (String, Vec<u8>) {
     let mut sitl = Sitl::new(settings).unwrap();
     sitl.set_mission(&mission.items).unwrap();
     let mut bridge = Bridge::new(BridgeSettings {
+        controller,
         output,
         engage: true,
         may_arm: true,
@@ -44,19 +45,21 @@ fn proof(log: &[u8]) -> Result<Proof, RecordingError> {
 }
 
 #[test]
-fn a_recording_of_every_output_replays_byte_for_byte() {
-    for output in OUTPUTS {
-        let (commands_sha256, log) = recorded(output);
+fn a_recording_of_every_controller_and_output_replays_byte_for_byte() {
+    let default = OUTPUTS.map(|output| (Controller::default(), output));
+    let others = Controller::ALL.map(|controller| (controller, OutputKind::RcOverride));
+    for (controller, output) in default.into_iter().chain(others) {
+        let (commands_sha256, log) = recorded(controller, output);
         let proof = proof(&log).unwrap();
         assert!(proof.holds(), "{}", proof.difference.unwrap().text());
-        assert!(proof.commands > 200 && proof.steps >= proof.commands / 2, "{output:?}: {proof:?}");
+        assert!(proof.commands > 200 && proof.steps >= proof.commands / 2, "{controller} {output:?}: {proof:?}");
         assert_eq!((&proof.recorded_sha256, &proof.replayed_sha256), (&commands_sha256, &commands_sha256));
     }
 }
 
 #[test]
 fn another_gain_is_found_at_its_first_frame() {
-    let (_, log) = recorded(OutputKind::RcOverride);
+    let (_, log) = recorded(Controller::default(), OutputKind::RcOverride);
     let at = log.windows(13).position(|bytes| bytes == b"heading_gain ").unwrap();
     let digit = at + log[at..].iter().position(u8::is_ascii_digit).unwrap();
     let mut tampered = log.clone();
@@ -92,7 +95,7 @@ fn with_right_checksums(log: &[u8], tampered: Vec<u8>) -> Vec<u8> {
 
 #[test]
 fn a_cut_recording_is_proven_up_to_the_cut_and_a_hole_is_explained() {
-    let (_, log) = recorded(OutputKind::Guided);
+    let (_, log) = recorded(Controller::default(), OutputKind::Guided);
     for share in [2, 3, 7] {
         let cut = proof(&log[..log.len() - log.len() / share]).unwrap();
         assert!(cut.holds() && cut.frames > 0, "{:?}", cut.difference.map(|difference| difference.text()));

@@ -112,7 +112,7 @@ fn grid(svg: &mut Svg, projection: &Projection) {
     svg.text(Point::new(area.left + 7.0, area.top + 15.0), &format!("north, {unit}"), inside);
 }
 
-fn mission_and_path(svg: &mut Svg, run: &Run, projection: &Projection) {
+pub(super) fn mission_and_path(svg: &mut Svg, run: &Run, projection: &Projection) {
     let line = |places: &[NorthEast]| -> Vec<Point> {
         let points: Vec<Point> = places
             .iter()
@@ -158,7 +158,7 @@ fn track(svg: &mut Svg, run: &Run, scale: &ErrorScale, projection: &Projection) 
     }
 }
 
-fn scale_bar(svg: &mut Svg, projection: &Projection) {
+pub(super) fn scale_bar(svg: &mut Svg, projection: &Projection) {
     let longest_m = SCALE_BAR_PX / projection.pixels_per_m;
     // The largest round length that fits: round lengths are at most 2.5 times apart, so the last one always does.
     let length_m = [1.0, 2.0, 3.0]
@@ -180,7 +180,7 @@ fn scale_bar(svg: &mut Svg, projection: &Projection) {
     svg.text(left.moved(length_px / 2.0, -6.0), &text, lettering);
 }
 
-fn north_arrow(svg: &mut Svg, middle: Point) {
+pub(super) fn north_arrow(svg: &mut Svg, middle: Point) {
     svg.shape("M0-12L5 10L0 6L-5 10Z", middle.moved(0.0, 6.0), 0.0, Style::filled(theme::INK));
     let lettering = theme::HEADING.anchored(Anchor::Middle).with_halo(theme::WATER);
     svg.text(middle.moved(0.0, -10.0), "N", lettering);

@@ -10,11 +10,13 @@
 //! | `theme` | colours and letters |
 //! | `ticks` | round numbers |
 //! | `thin` | which samples of a long run are worth drawing |
+//! | `comparison` | several runs of one mission in one picture |
 //! | `svg` | the file format |
 //!
 //! Same run, same bytes: nothing here looks at a clock, a file or a typeface.
 
 mod charts;
+mod comparison;
 mod legend;
 mod map;
 mod marks;
@@ -27,6 +29,7 @@ mod ticks;
 #[cfg(test)]
 mod tests;
 
+pub use comparison::{ComparedTrack, comparison_svg};
 use helmlink_mission::geodesy::NorthEast;
 use svg::{Area, Point, Style, Svg};
 

@@ -3,6 +3,7 @@
 //! Both are the very parties that talk over sockets elsewhere; here their bytes change hands directly, so the
 //! loop runs as fast as the machine allows and gives the same commands every time.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use helmlink_mission::geodesy::Geodetic;
@@ -42,6 +43,9 @@ pub struct Outcome {
 pub struct ClosedLoop {
     sitl: Sitl,
     bridge: Bridge,
+    /// How long the bridge's bytes are under way, and those that are.
+    delay: Duration,
+    under_way: VecDeque<(Duration, Vec<u8>)>,
     recorder: RunRecorder,
     now: Duration,
     loops: u32,
@@ -56,11 +60,26 @@ impl ClosedLoop {
         Self {
             sitl,
             bridge,
+            delay: Duration::ZERO,
+            under_way: VecDeque::new(),
             recorder: RunRecorder::new(home),
             now: Duration::ZERO,
             loops: 0,
             last_problem: None,
         }
+    }
+
+    /// Bytes of the bridge reach the boat only after `delay`: commands act late, answers come late.
+    #[must_use]
+    pub fn with_delay(mut self, delay: Duration) -> Self {
+        self.delay = delay;
+        self
+    }
+
+    /// Keeps a log of everything received and sent. Simulated time starts at the Unix epoch: the log must not
+    /// depend on the day it was made.
+    pub fn keep_journal(&mut self) {
+        self.bridge.keep_journal(0);
     }
 
     /// Runs until the mission is complete, the bridge gives up, or `limit` of simulated time has passed.
@@ -85,7 +104,12 @@ impl ClosedLoop {
         }
         self.bridge.on_tick(self.now);
         while let Some((_, bytes)) = self.bridge.poll_transmit() {
-            self.sitl.on_bytes(LINK, &bytes);
+            self.under_way.push_back((self.now + self.delay, bytes));
+        }
+        while self.under_way.front().is_some_and(|(due, _)| *due <= self.now) {
+            if let Some((_, bytes)) = self.under_way.pop_front() {
+                self.sitl.on_bytes(LINK, &bytes);
+            }
         }
         while let Some(event) = self.bridge.poll_event() {
             self.recorder.on_event(self.now.as_secs_f64(), &event);

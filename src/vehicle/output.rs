@@ -26,6 +26,15 @@ pub enum OutputKind {
 }
 
 impl OutputKind {
+    /// The name as it is typed.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::RcOverride => "rc-override",
+            Self::ManualControl => "manual-control",
+            Self::Guided => "guided",
+        }
+    }
+
     /// The flight mode in which the firmware obeys these messages.
     pub fn mode(self) -> Mode {
         match self {

@@ -7,6 +7,7 @@
 //! | [`frame`] | one checked frame: header, payload, decoding |
 //! | [`framer`] | bytes in, frames out; resynchronises after anything |
 //! | [`encoder`] | messages in, bytes out; one sequence counter per component |
+//! | [`signing`] | MAVLink 2 signatures: keys, time stamps, what is refused and why |
 //! | [`stats`] | what a link has carried and lost |
 //! | [`tlog`] | telemetry logs: time-stamped frames, as ground stations write them |
 //!
@@ -38,6 +39,7 @@ pub mod enums;
 pub mod frame;
 pub mod framer;
 mod layout;
+pub mod signing;
 pub mod stats;
 pub mod tlog;
 

@@ -1,9 +1,9 @@
 //! The sea at work: how current, gusts and wave drift vary, and what they do to the hull.
 
 use super::dynamics::{BodyForce, NedVector, State};
-use super::hull::{Hull, WindLoads};
+use super::hull::{Hull, HullDynamics, WindLoads};
 use super::random::{GaussMarkov, Source, Stream};
-use super::sea::{Current, Sea, Wind};
+use super::sea::{Current, Push, Sea, Wind};
 use super::waves::{WaveField, WaveMotion};
 use super::{AIR_DENSITY_KGPM3, GRAVITY_MPS2, WATER_DENSITY_KGPM3};
 
@@ -38,6 +38,8 @@ pub struct Environment {
     current: Option<MovingCurrent>,
     wind: Option<GustyWind>,
     waves: Option<Seaway>,
+    push: Option<SlowPush>,
+    time_s: f64,
 }
 
 impl Environment {
@@ -57,6 +59,8 @@ impl Environment {
                     stream,
                 }
             }),
+            push: sea.push.and_then(|push| SlowPush::new(push, hull)),
+            time_s: 0.0,
         }
     }
 
@@ -81,6 +85,10 @@ impl Environment {
                 east: hull.u_mps * bow.east + hull.v_mps * bow.north,
             };
             conditions.wave_motion = waves.field.step(dt_s, bow, velocity_mps);
+        }
+        self.time_s += dt_s;
+        if let Some(push) = &self.push {
+            conditions.force = conditions.force + push.force(self.time_s);
         }
         conditions
     }
@@ -176,6 +184,42 @@ impl Seaway {
     }
 }
 
+/// Slow forces without a cause, scaled to one hull.
+#[derive(Debug, Clone, Copy)]
+struct SlowPush {
+    force: BodyForce,
+    frequency_scale: f64,
+}
+
+/// Length of the ship that the forces of [`Push`] are given for, m.
+const PUSHED_LENGTH_M: f64 = 38.0;
+/// Its accelerations in surge, sway (m/s²) and yaw (rad/s²) per unit of the slow factor.
+const PUSH_ACCELERATIONS: (f64, f64, f64) = (1.0e4 / 120.0e3, 2.0e4 / 177.9e3, 3.0e4 / 636.0e5);
+
+impl SlowPush {
+    /// By Froude's law accelerations are alike, angular ones grow as 1/length, frequencies as 1/√length.
+    fn new(push: Push, hull: &Hull) -> Option<SlowPush> {
+        let HullDynamics::Maneuvering(body, _) = &hull.dynamics else { return None };
+        let scale = PUSHED_LENGTH_M / hull.length_m;
+        let force = BodyForce {
+            surge_n: push.share * PUSH_ACCELERATIONS.0 * body.m11_kg,
+            sway_n: push.share * PUSH_ACCELERATIONS.1 * body.m22_kg,
+            yaw_nm: push.share * PUSH_ACCELERATIONS.2 * scale * body.m33_kgm2,
+        };
+        Some(SlowPush { force, frequency_scale: scale.sqrt() })
+    }
+
+    fn force(&self, time_s: f64) -> BodyForce {
+        let t = self.frequency_scale * time_s;
+        let (fast, slow) = ((0.1 * t).sin_cos(), (0.01 * t).sin_cos());
+        BodyForce {
+            surge_n: self.force.surge_n * (1.5 + fast.0 + slow.1),
+            sway_n: self.force.sway_n * (1.5 + fast.1 + slow.0),
+            yaw_nm: self.force.yaw_nm * (1.5 - fast.0 + slow.1),
+        }
+    }
+}
+
 /// Mean force of waves that are wholly reflected by the length of the hull, ½ρg·L·(H_s/4)², N
 /// (Maruo's formula with the variance of an irregular sea).
 fn reflection_n(height_m: f64, length_m: f64) -> f64 {
@@ -267,6 +311,20 @@ mod tests {
         let expected = 0.08 * 0.5 * 1025.0 * 9.81 * 2.0 * (0.35f64 / 4.0).powi(2);
         // Clipping the drift at zero raises its mean by less than 1 %.
         assert!((sum / count as f64 / expected - 1.0).abs() < 0.06, "{} {expected}", sum / count as f64);
+    }
+
+    #[test]
+    fn the_push_of_the_literature_is_that_of_its_own_ship_and_smaller_for_a_smaller_one() {
+        let force = |name: &str| {
+            let hull = Hull::builtin(name).unwrap();
+            let sea = Sea { push: Some(Push { share: 1.0 }), ..Sea::default() };
+            Environment::new(&sea, &hull, 1).step(0.0, &State::default()).force
+        };
+        let ship = force("monohull38");
+        assert!((ship.surge_n - 2.5e4).abs() < 1e-6, "{ship:?}");
+        assert!((ship.sway_n - 2.0 * 2.5e4).abs() < 1e-6 && (ship.yaw_nm - 3.0 * 2.5e4).abs() < 1e-6);
+        let otter = force("otter");
+        assert!(otter.surge_n > 10.0 && otter.surge_n < 30.0, "{otter:?}");
     }
 
     #[test]

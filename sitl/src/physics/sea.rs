@@ -11,6 +11,17 @@ pub struct Sea {
     pub wind: Option<Wind>,
     /// Waves; `None` is flat water.
     pub waves: Option<Waves>,
+    /// Slow forces without a cause, as the path-following literature has them; see [`Push`].
+    pub push: Option<Push>,
+}
+
+/// Constant and slowly varying forces on the hull: for the 38 m ship (10, 20 and 30 kN or kN·m) times
+/// 1.5 + sin 0.1t + cos 0.01t (in sway and yaw with sine and cosine exchanged, in yaw with a minus), as the public
+/// simulation files of Do and Pan's followers have it; scaled to other hulls by Froude's law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// 1 for the forces of the literature.
+    pub share: f64,
 }
 
 /// A current of uniform velocity around the boat.
@@ -153,6 +164,7 @@ impl Sea {
                 period_s: period * scale(2.8, 7.0),
                 from_deg: PRESET_WAVES_FROM_DEG,
             }),
+            push: None,
         }
     }
 

@@ -8,6 +8,8 @@ use super::random::{GaussMarkov, Source, Stream};
 pub struct SensorSettings {
     /// `None` reports the truth exactly, wave motion included.
     pub noise: Option<SensorNoise>,
+    /// Leaves the first-order wave motion out, as an ideal wave filter would.
+    pub without_waves: bool,
 }
 
 /// Errors of real sensors; every standard deviation is of white noise unless it says otherwise.
@@ -40,7 +42,7 @@ pub struct SensorNoise {
 impl SensorSettings {
     /// The estimate is the truth.
     pub fn perfect() -> SensorSettings {
-        SensorSettings { noise: None }
+        SensorSettings { noise: None, without_waves: false }
     }
 
     /// A good flight controller with a multi-band GPS: position good to about 0.1 m.
@@ -59,6 +61,7 @@ impl SensorSettings {
                 accelerometer_white_mps2: 0.05,
                 accelerometer_bias_mps2: 0.02,
             }),
+            without_waves: false,
         }
     }
 
@@ -78,6 +81,7 @@ impl SensorSettings {
                 accelerometer_white_mps2: 0.1,
                 accelerometer_bias_mps2: 0.05,
             }),
+            without_waves: false,
         }
     }
 }

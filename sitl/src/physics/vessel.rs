@@ -52,6 +52,8 @@ pub struct Vessel {
     hull: Hull,
     environment: Environment,
     sensors: Sensors,
+    /// Whether the sensors see the first-order wave motion.
+    sees_waves: bool,
     time_s: f64,
     state: State,
     actuators: ActuatorState,
@@ -73,8 +75,10 @@ impl Vessel {
         // A step of no time asks the sea how things stand without moving it.
         let conditions = environment.step(0.0, &berth);
         let state = adrift(berth, conditions.current_mps);
-        let motion = true_motion(&state, &conditions.wave_motion);
+        let sees_waves = !sensors.without_waves;
+        let motion = true_motion(&state, &seen(&conditions, sees_waves));
         Vessel {
+            sees_waves,
             sensors: Sensors::new(sensors, hull.length_m, seed, &motion),
             actuators: ActuatorState::at_rest(&hull.dynamics),
             hull,
@@ -123,7 +127,7 @@ impl Vessel {
             };
         }
         self.time_s += dt_s;
-        let motion = true_motion(&self.state, &self.conditions.wave_motion);
+        let motion = true_motion(&self.state, &seen(&self.conditions, self.sees_waves));
         self.sensors.step(self.time_s, &motion, self.gps_works);
     }
 
@@ -176,6 +180,11 @@ impl Vessel {
 fn adrift(state: State, current: NedVector) -> State {
     let (u_mps, v_mps) = to_body(state.psi_rad, current.north, current.east);
     State { u_mps, v_mps, r_radps: 0.0, ..state }
+}
+
+/// The wave motion that the sensors see.
+fn seen(conditions: &Conditions, sees_waves: bool) -> WaveMotion {
+    if sees_waves { conditions.wave_motion } else { WaveMotion::default() }
 }
 
 /// Low-frequency and wave motion together: what the sensors feel.

@@ -6,7 +6,7 @@ use helmlink_mission::path::Path;
 
 use super::Plant;
 use super::noise::Noise;
-use crate::control::{Boat, Command, Helm};
+use crate::control::{Boat, Command, Controller, Helm};
 use crate::guidance::EndOfPath;
 use crate::guidance::progress::project;
 
@@ -37,6 +37,7 @@ pub(crate) struct Report {
 
 pub(crate) struct Run<'a> {
     pub(crate) boat: &'a Boat,
+    pub(crate) controller: Controller,
     pub(crate) path: &'a Path,
     pub(crate) speed_mps: f64,
     /// Time steps, used in turn, s.
@@ -50,12 +51,21 @@ pub(crate) struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub(crate) fn new(boat: &'a Boat, path: &'a Path, speed_mps: f64) -> Self {
-        Self { boat, path, speed_mps, steps_s: &[0.05], delay_ticks: 0, told_delay_s: 0.0, noise_seed: None }
+        Self {
+            boat,
+            controller: Controller::PiSmc,
+            path,
+            speed_mps,
+            steps_s: &[0.05],
+            delay_ticks: 0,
+            told_delay_s: 0.0,
+            noise_seed: None,
+        }
     }
 
     /// Runs to the end of the path, or three times the time it should take.
     pub(crate) fn run(&self, plant: &mut Plant) -> Report {
-        let mut helm = Helm::new(self.boat, EndOfPath::Stop);
+        let mut helm = Helm::with_controller(self.boat, self.controller, EndOfPath::Stop);
         helm.set_delay_s(self.told_delay_s);
         helm.engage(&plant.state(), 0.0).unwrap();
         let mut noise = self.noise_seed.map(Noise::seeded);
