@@ -9,6 +9,8 @@ use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
+use super::replay::ReplayArgs;
+use super::report::ReportArgs;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
 
@@ -43,6 +45,10 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
+    /// Put a recorded log through the controller, prove a recording, or play it to a link
+    Replay(Box<ReplayArgs>),
+    /// Make a page, tables and Foxglove files of a log
+    Report(Box<ReportArgs>),
     /// Look at mission files
     #[command(subcommand)]
     Mission(MissionCommand),
@@ -77,6 +83,8 @@ impl Command {
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
+            Self::Replay(args) => &args.common,
+            Self::Report(args) => &args.common,
             Self::Mission(command) => command.common(),
         }
     }

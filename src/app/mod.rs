@@ -9,8 +9,12 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod log_report;
 mod mission;
 mod paced_sitl;
+mod recorder;
+mod replay;
+mod report;
 mod result;
 mod simulate;
 mod sitl;
@@ -76,6 +80,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Mission(command) => mission::run(&command),
     }
 }

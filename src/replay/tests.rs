@@ -52,7 +52,10 @@ fn a_recording_of_every_controller_and_output_replays_byte_for_byte() {
         let (commands_sha256, log) = recorded(controller, output);
         let proof = proof(&log).unwrap();
         assert!(proof.holds(), "{}", proof.difference.unwrap().text());
-        assert!(proof.commands > 200 && proof.steps >= proof.commands / 2, "{controller} {output:?}: {proof:?}");
+        assert!(
+            proof.commands > 200 && proof.steps >= proof.commands / 2,
+            "{controller} {output:?}: {proof:?}"
+        );
         assert_eq!((&proof.recorded_sha256, &proof.replayed_sha256), (&commands_sha256, &commands_sha256));
     }
 }
