@@ -1,5 +1,6 @@
 //! The whole boat: autopilot and physics in step.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use helmlink_mission::geodesy::{Geodetic, PositionFault};
@@ -7,10 +8,14 @@ use helmlink_mission::plan::Item;
 use helmlink_wire::LinkId;
 
 use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
+use crate::faults::{Fault, FaultError, Lines, LinkWeather, Schedule, TimedFault, Turn};
 use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
 
 /// Physics steps per loop of the autopilot.
 const STEPS_PER_LOOP: u32 = 2;
+
+/// Packets from bad lines that wait to be taken; what exceeds it is lost.
+const MAX_OUTBOX: usize = 20_000;
 
 /// What is simulated. Same settings, same run.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,6 +100,13 @@ pub struct Sitl {
     now: Duration,
     /// Whether the boat waits at its moorings to be armed.
     moored: bool,
+    schedule: Schedule,
+    lines: Lines,
+    weather: LinkWeather,
+    /// What has come out of bad lines.
+    outbox: VecDeque<(LinkId, Vec<u8>)>,
+    /// The parameters' revision that the faults were last read from.
+    faults_of: Option<u64>,
 }
 
 impl Sitl {
@@ -113,7 +125,17 @@ impl Sitl {
         let autopilot = Autopilot::new(settings.autopilot, &settings.hull, settings.home)?;
         let mut vessel = Vessel::new(settings.hull, &settings.sea, &settings.sensors, settings.seed, pose);
         vessel.set_moored(settings.moored_until_armed);
-        let mut sitl = Self { autopilot, vessel, now: Duration::ZERO, moored: settings.moored_until_armed };
+        let mut sitl = Self {
+            autopilot,
+            vessel,
+            now: Duration::ZERO,
+            moored: settings.moored_until_armed,
+            schedule: Schedule::default(),
+            lines: Lines::new(settings.seed),
+            weather: LinkWeather::default(),
+            outbox: VecDeque::new(),
+            faults_of: None,
+        };
         sitl.autopilot.sense(sitl.vessel.estimate(), sitl.vessel.truth().hull, Duration::ZERO);
         Ok(sitl)
     }
@@ -126,16 +148,26 @@ impl Sitl {
     /// Closes a link: its rates, its transfers and what waits to be sent on it are forgotten.
     pub fn link_down(&mut self, link: LinkId) {
         self.autopilot.link_down(link);
+        self.lines.forget(link);
+        self.outbox.retain(|(to, _)| *to != link);
     }
 
     /// Bytes of a stream that arrive now. They are acted upon in the next loop.
     pub fn on_bytes(&mut self, link: LinkId, bytes: &[u8]) {
-        self.autopilot.on_bytes(link, bytes, false);
+        self.receive(link, bytes, false);
     }
 
     /// A datagram that arrives now: as [`Sitl::on_bytes`], but no frame goes on in the next one.
     pub fn on_datagram(&mut self, link: LinkId, bytes: &[u8]) {
-        self.autopilot.on_bytes(link, bytes, true);
+        self.receive(link, bytes, true);
+    }
+
+    fn receive(&mut self, link: LinkId, bytes: &[u8], datagram: bool) {
+        if self.lines.carries(link, &self.weather) {
+            self.lines.take_in(link, bytes, self.now, &self.weather);
+        } else {
+            self.autopilot.on_bytes(link, bytes, datagram);
+        }
     }
 
     /// Lets simulated time pass, in loops of 20 ms: all that end at or before `until`. Each loop reads what
@@ -147,6 +179,10 @@ impl Sitl {
     }
 
     fn run_loop(&mut self) {
+        self.turn_faults();
+        for (link, bytes) in self.lines.arriving(self.now) {
+            self.autopilot.on_bytes(link, &bytes, true);
+        }
         let command = self.autopilot.control(self.now);
         if self.moored && self.autopilot.is_armed() {
             self.moored = false;
@@ -158,12 +194,45 @@ impl Sitl {
         self.now += LOOP;
         self.autopilot.sense(self.vessel.estimate(), self.vessel.truth().hull, self.now);
         self.autopilot.transmit();
+        self.send_over_bad_lines();
+    }
+
+    /// Begins and ends scheduled faults, and puts into force what the parameters say.
+    fn turn_faults(&mut self) {
+        while let Some(turn) = self.schedule.due(self.now) {
+            match turn {
+                Turn::Begin(fault) => self.autopilot.put_fault(&fault),
+                Turn::End(fault) => self.autopilot.lift_fault(&fault),
+            }
+        }
+        let revision = self.autopilot.parameter_revision();
+        if self.faults_of != Some(revision) {
+            self.faults_of = Some(revision);
+            self.vessel.set_faults(self.autopilot.vessel_faults());
+            self.weather = self.autopilot.link_weather();
+        }
+    }
+
+    /// Takes what is to be sent on bad lines from the autopilot, and what arrives over them.
+    fn send_over_bad_lines(&mut self) {
+        for link in self.autopilot.links() {
+            if self.lines.carries(link, &self.weather) {
+                while let Some(bytes) = self.autopilot.poll_transmit_on(link) {
+                    self.lines.take_out(link, &bytes, self.now, &self.weather);
+                }
+            }
+        }
+        for arrived in self.lines.leaving(self.now) {
+            if self.outbox.len() < MAX_OUTBOX {
+                self.outbox.push_back(arrived);
+            }
+        }
     }
 
     /// The next bytes to send, whole frames, at most 1400 bytes at a time. What is not taken for long is
     /// dropped.
     pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        self.autopilot.poll_transmit()
+        self.outbox.pop_front().or_else(|| self.autopilot.poll_transmit())
     }
 
     /// Simulated time since the start.
@@ -186,9 +255,40 @@ impl Sitl {
         self.autopilot.is_armed()
     }
 
-    /// Switches the GPS on or off.
-    pub fn set_gps(&mut self, works: bool) {
-        self.vessel.set_gps(works);
+    /// Makes something fail from the next loop on, in place of an earlier fault of the same kind.
+    ///
+    /// # Errors
+    /// [`FaultError`] if a figure is out of its range, or the boat has no such part.
+    pub fn inject(&mut self, fault: Fault) -> Result<(), FaultError> {
+        self.check_fault(&fault)?;
+        self.autopilot.put_fault(&fault);
+        Ok(())
+    }
+
+    /// Repairs what a fault of this kind has done; its figures do not matter.
+    pub fn lift(&mut self, fault: &Fault) {
+        self.autopilot.lift_fault(fault);
+    }
+
+    /// Makes something fail at a time to come, and repairs it if the fault has an end.
+    ///
+    /// # Errors
+    /// As [`Sitl::inject`].
+    pub fn schedule(&mut self, timed: TimedFault) -> Result<(), FaultError> {
+        self.check_fault(&timed.fault)?;
+        self.schedule.add(timed);
+        Ok(())
+    }
+
+    fn check_fault(&self, fault: &Fault) -> Result<(), FaultError> {
+        fault.check()?;
+        match fault.missing_part(self.hull().has_twin_thrusters()) {
+            None => Ok(()),
+            Some(part) => {
+                let boat = self.hull().name.clone();
+                Err(FaultError::NoSuchPart { fault: fault.to_string(), boat, part })
+            }
+        }
     }
 
     /// Stores a mission as if it had been uploaded; `items` are without home.

@@ -162,6 +162,10 @@ async fn drive(args: &BridgeArgs, url: &LinkUrl, settings: BridgeSettings) -> Re
         say_events(&mut edge);
         if let Some(log) = &mut log {
             log.write(edge.party.take_journal());
+            if let Some(failing) = log.poll_failing() {
+                let now = edge.now();
+                edge.party.set_recording_failed(now, failing);
+            }
         }
         if let Some(ending) = watch.ending(&edge, url) {
             break ending;

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -37,6 +39,8 @@ pub(super) struct Recorder {
     backlog: VecDeque<Vec<u8>>,
     backlog_bytes: usize,
     lost_bytes: u64,
+    failing: Arc<AtomicBool>,
+    told_failing: bool,
 }
 
 impl Recorder {
@@ -64,9 +68,11 @@ impl Recorder {
             file: None,
             parts: Vec::new(),
             failed_at: None,
+            failing: Arc::default(),
             synced_at: Instant::now(),
         };
         writer.open_next().map_err(fault)?;
+        let failing = Arc::clone(&writer.failing);
         let (sender, receiver) = sync_channel(QUEUE);
         let thread = std::thread::Builder::new()
             .name("recorder".to_owned())
@@ -78,6 +84,8 @@ impl Recorder {
             backlog: VecDeque::new(),
             backlog_bytes: 0,
             lost_bytes: 0,
+            failing,
+            told_failing: false,
         })
     }
 
@@ -114,6 +122,12 @@ impl Recorder {
         }
     }
 
+    /// Whether the log can be written, when that has changed since the last call.
+    pub(super) fn poll_failing(&mut self) -> Option<bool> {
+        let failing = self.failing.load(Ordering::Relaxed);
+        (std::mem::replace(&mut self.told_failing, failing) != failing).then_some(failing)
+    }
+
     /// Writes what is waiting and ends; the files of the recording.
     pub(super) fn finish(mut self) -> Vec<PathBuf> {
         if let Some(sender) = self.sender.take() {
@@ -135,6 +149,7 @@ struct Writer {
     file: Option<(File, u64)>,
     parts: Vec<PathBuf>,
     failed_at: Option<Instant>,
+    failing: Arc<AtomicBool>,
     synced_at: Instant,
 }
 
@@ -179,6 +194,7 @@ impl Writer {
             (Ok(()), Some(_)) => {
                 tracing::warn!("recording again; what happened meanwhile is not in the log");
                 self.failed_at = None;
+                self.failing.store(false, Ordering::Relaxed);
             }
             (Err(error), before) => {
                 if before.is_none() {
@@ -189,6 +205,7 @@ impl Writer {
                 }
                 self.file = None;
                 self.failed_at = Some(Instant::now());
+                self.failing.store(true, Ordering::Relaxed);
             }
         }
     }
@@ -318,10 +335,11 @@ mod tests {
             file: Some((OpenOptions::new().write(true).open("/dev/full").unwrap(), 0)),
             parts: Vec::new(),
             failed_at: None,
+            failing: Arc::default(),
             synced_at: Instant::now(),
         };
         writer.write(&[1; 100], false);
-        assert!(writer.failed_at.is_some() && writer.file.is_none());
+        assert!(writer.failing.load(Ordering::Relaxed) && writer.file.is_none());
         fs::create_dir_all(&folder).unwrap();
         writer.failed_at = Instant::now().checked_sub(RETRY);
         writer.write(&[2; 100], false);

@@ -43,7 +43,7 @@ pub struct ReportArgs {
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let mut engine = Engine::scan(LogFiles::find(&args.log)?, args.system)?;
-    let wishes = Wishes { mission: args.mission.as_deref(), system: args.system, ..Wishes::default() };
+    let wishes = Wishes { mission: args.mission.as_deref(), ..Wishes::default() };
     let settings = engine.settings(&wishes, Window::Driven)?;
     let mut exports = Vec::new();
     if let Some(path) = &args.csv {

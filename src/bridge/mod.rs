@@ -13,14 +13,20 @@
 //! | `mission` | gets the mission, and notices another one |
 //! | `commands` | commands to the bridge itself |
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
+//! | `observing` | what the failsafes see |
+//! | `fence` | gets the fence |
 //! | `steering` | one control step: supervise, compute, send |
+//! | [`pace`] | how evenly the steering frames go out |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
 pub mod controller_state;
+mod fence;
 mod follow;
 mod links;
 mod mission;
+mod observing;
+pub mod pace;
 mod reporting;
 pub mod settings;
 pub mod status;
@@ -36,15 +42,19 @@ pub use settings::{BridgeSettings, MissionSource};
 pub use status::{Event, Status};
 
 use self::commands::{Command, Order};
+use self::fence::FenceNews;
 use self::follow::CurrentItem;
 use self::links::Links;
 use self::mission::{MissionKeeper, News};
+use self::observing::Observer;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use crate::control::boat::Actuators;
+use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
 use crate::record::{ControlState, Header, Journal};
-use crate::vehicle::output::{self, Output};
+use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
@@ -86,6 +96,8 @@ pub struct Bridge {
     run: Option<MissionRun>,
     current: CurrentItem,
     supervisor: Supervisor,
+    watch: Watch,
+    observer: Observer,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
@@ -100,7 +112,8 @@ impl Bridge {
             engage_mode: settings.engage_mode,
             may_arm: settings.may_arm,
             end_mode: settings.end_mode,
-            limits: settings.limits,
+            shadow: settings.shadow,
+            limits: settings.effective_limits(),
         };
         let mut bridge = Self {
             links: Links::new(settings.shadow),
@@ -121,6 +134,8 @@ impl Bridge {
             run: None,
             current: CurrentItem::default(),
             supervisor: Supervisor::new(policy),
+            watch: Watch::new(settings.failsafes.clone()),
+            observer: Observer::default(),
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
@@ -210,18 +225,20 @@ impl Bridge {
     ///
     /// # Errors
     /// Why it will not be done.
-    pub fn request(&mut self, now: Duration, request: Request) -> Result<(), &'static str> {
+    pub fn request(&mut self, now: Duration, request: Request) -> Result<(), String> {
         self.record(|journal| journal.request(now, &request));
         self.advance(now);
         self.take_request(request)
     }
 
-    fn take_request(&mut self, request: Request) -> Result<(), &'static str> {
+    fn take_request(&mut self, request: Request) -> Result<(), String> {
         if matches!(request, Request::Engage { .. })
             && let Some(vehicle) = self.vehicle
         {
             self.mission.refresh(self.own(vehicle.id), vehicle.id);
+            self.observer.fence.refresh();
         }
+        self.look_out();
         let conditions = self.conditions();
         let answer = self.supervisor.request(self.now.as_secs_f64(), request, &conditions);
         self.supervise();
@@ -239,6 +256,7 @@ impl Bridge {
             demand: self.steering.demand,
             diagnostics: self.steering.diagnostics,
             steps: self.steering.steps,
+            pace: self.steering.pace,
         }
     }
 
@@ -268,7 +286,7 @@ impl Bridge {
     }
 
     /// Lets the journal, if one is kept, take something down.
-    fn record(&mut self, write: impl FnOnce(&mut Journal)) {
+    pub(super) fn record(&mut self, write: impl FnOnce(&mut Journal)) {
         if let Some(journal) = self.links.journal() {
             write(journal);
         }
@@ -291,6 +309,7 @@ impl Bridge {
 
     fn on_message(&mut self, link: LinkId, from: Identity, message: &Message) {
         if let Message::HEARTBEAT(heartbeat) = message {
+            self.observer.on_heartbeat(self.now, heartbeat);
             self.meet(link, from, heartbeat);
         }
         let Some(vehicle) = self.vehicle else { return };
@@ -335,6 +354,8 @@ impl Bridge {
     fn forget_vehicle(&mut self) {
         self.vehicle = None;
         self.telemetry = Telemetry::default();
+        self.observer.forget_vehicle();
+        self.watch.forget_position();
         self.ask_again();
     }
 
@@ -365,13 +386,19 @@ impl Bridge {
             }
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
-            _ => self.mission.on_message(self.now, vehicle.id, message),
+            _ => {
+                self.mission.on_message(self.now, vehicle.id, message);
+                self.observer.fence.on_message(self.now, vehicle.id, message);
+            }
         }
         match update {
             Update::None => {}
             Update::Heartbeat => self.supervise(),
             Update::Rebooted => {
                 self.event(enums::MAV_SEVERITY_WARNING, "the flight controller has restarted");
+                self.observer.forget_vehicle();
+                self.watch.forget_position();
+                self.observer.rebooted = true;
                 self.ask_again();
                 self.supervise();
             }
@@ -470,6 +497,7 @@ impl Bridge {
             self.check_output();
         }
         self.supervise();
+        self.keep_sending();
     }
 
     /// Sends what is due to be asked of the flight controller.
@@ -485,34 +513,37 @@ impl Bridge {
         while let Some(message) = self.mission.poll(self.now, own, id) {
             self.links.send(link, own, &message);
         }
+        let is_free = self.mission.is_ready() || self.run.is_none();
+        while let Some(message) = self.observer.fence.poll(self.now, own, id, is_free) {
+            self.links.send(link, own, &message);
+        }
         while let Some(message) = self.current.poll(self.now, id) {
             self.links.send(link, own, &message);
         }
     }
 
     fn check_output(&mut self) {
-        if !self.output_ready && self.parameters.is_complete() {
+        if self.output_ready || !self.parameters.is_complete() {
+            return;
+        }
+        self.parameters.require(&output::channel_parameters(&self.parameters));
+        if self.parameters.is_complete() {
             self.output_ready = self.configure_output();
+            if self.output_ready {
+                self.warn_of_parameters();
+            }
         }
     }
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
+        let failsafes =
+            observing::effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters);
+        self.watch.configure(failsafes);
+        let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
-        let own_system = f64::from(self.settings.ground_station_system);
-        let problem = match (configured, self.parameters.value("SYSID_MYGCS")) {
-            (Err(problem), _) => Some(problem),
-            (Ok(()), Some(system))
-                if self.settings.output.needs_ground_station_id() && system != own_system =>
-            {
-                Some(format!(
-                    "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
-                     {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
-                ))
-            }
-            _ => None,
-        };
-        match problem {
+        let obstacle = checks::obstacle(kind, system, &self.parameters);
+        match configured.err().or(obstacle) {
             None => true,
             Some(text) => {
                 if self.reporter.is_new_problem(&text) {
@@ -520,6 +551,13 @@ impl Bridge {
                 }
                 false
             }
+        }
+    }
+
+    fn warn_of_parameters(&mut self) {
+        let is_twin = matches!(self.settings.boat.actuators, Actuators::TwinThrusters(_));
+        for warning in checks::warnings(self.settings.output, is_twin, &self.parameters) {
+            self.event(enums::MAV_SEVERITY_WARNING, warning);
         }
     }
 
@@ -546,6 +584,16 @@ impl Bridge {
                 self.event(enums::MAV_SEVERITY_WARNING, text);
             }
             Some(News::NotRead(_)) | None => {}
+        }
+        match self.observer.fence.poll_news(self.now) {
+            Some(FenceNews::Loaded) => {
+                self.event(enums::MAV_SEVERITY_INFO, "fence loaded: the bridge watches it too");
+            }
+            Some(FenceNews::NotRead(why)) => {
+                let text = format!("the fence could not be read, so it is not watched: {why}");
+                self.event(enums::MAV_SEVERITY_WARNING, text);
+            }
+            None => {}
         }
     }
 

@@ -8,15 +8,23 @@ use helmlink_wire::dialect::{
 use helmlink_wire::{Identity, Message, enums};
 
 use super::steering::current_item;
-use super::{Bridge, Event, settings};
-use crate::pilot::supervisor::State;
+use super::{Bridge, Event, controller_state, settings};
+use crate::pilot::supervisor::{Duty, State};
 
 /// Interval of the heartbeat and of the progress.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 /// MAVLink's protocol version, in every heartbeat.
 const MAVLINK_VERSION: u8 = 3;
+/// A text is cut off after so many messages.
+const MOST_CHUNKS: u8 = 5;
 /// Characters in one STATUSTEXT.
 const TEXT_LENGTH: usize = 50;
+/// NAMED_VALUE_FLOAT: steering frames per second.
+const RATE_NAME: &str = "HL_HZ";
+/// NAMED_VALUE_FLOAT: mean deviation of their intervals, ms.
+const JITTER_NAME: &str = "HL_JITTER";
+/// NAMED_VALUE_FLOAT: the longest interval since the last report, ms.
+const LONGEST_NAME: &str = "HL_LONGEST";
 /// System id of the bridge until it has met its vehicle.
 const DEFAULT_SYSTEM: u8 = 1;
 
@@ -25,6 +33,8 @@ const DEFAULT_SYSTEM: u8 = 1;
 pub(super) struct Reporter {
     last_report: Option<Duration>,
     last_problem: Option<String>,
+    /// Number of the last text that took more than one message.
+    text_id: u16,
 }
 
 impl Reporter {
@@ -45,15 +55,12 @@ impl Bridge {
             self.reporter.last_report = Some(self.now);
             self.send_heartbeat();
             self.send_progress();
+            self.send_live_state();
         }
     }
 
     pub(super) fn send_heartbeat(&mut self) {
-        let system_status = match self.supervisor.state() {
-            State::Waiting(_) => enums::MAV_STATE_BOOT,
-            State::Engaging | State::Engaged | State::HandingBack => enums::MAV_STATE_ACTIVE,
-            State::Ready | State::Holding | State::Finished | State::Stopped => enums::MAV_STATE_STANDBY,
-        };
+        let system_status = self.system_status();
         // No mode flag is set: a custom mode in a companion's heartbeat is taken for the vehicle's.
         let heartbeat = Message::HEARTBEAT(HEARTBEAT_DATA {
             mavtype: enums::MAV_TYPE_ONBOARD_CONTROLLER,
@@ -64,6 +71,36 @@ impl Bridge {
         });
         let own = self.own_or_default();
         self.links.broadcast(own, &heartbeat);
+    }
+
+    /// MAV_STATE: tells whether the control loop is healthy.
+    fn system_status(&self) -> u8 {
+        match self.supervisor.state() {
+            State::Waiting(_) => enums::MAV_STATE_BOOT,
+            State::Engaged if self.supervisor.duty() == Duty::Neutral || self.loop_is_late() => {
+                enums::MAV_STATE_CRITICAL
+            }
+            State::Engaging | State::Engaged | State::HandingBack => enums::MAV_STATE_ACTIVE,
+            _ => enums::MAV_STATE_STANDBY,
+        }
+    }
+
+    /// What the controller thinks, and how the bridge is, for the ground station: while there is something to tell.
+    fn send_live_state(&mut self) {
+        let computes = self.settings.shadow || self.supervisor.state() == State::Engaged;
+        if !computes || self.vehicle.is_none() {
+            return;
+        }
+        let boot_s = self.telemetry.boot_s.unwrap_or_default();
+        let pace = self.steering.pace;
+        let health =
+            [(RATE_NAME, pace.rate_hz()), (JITTER_NAME, pace.jitter_ms()), (LONGEST_NAME, pace.longest_ms())];
+        let state = controller_state::messages(boot_s, &self.steering.diagnostics, &self.steering.demand);
+        let health = health.map(|(name, value)| controller_state::named_value(boot_s, name, value as f32));
+        for message in state.chain(health) {
+            self.tell(&message);
+        }
+        self.steering.pace.start_over();
     }
 
     /// MISSION_CURRENT while the bridge drives: in the mode it steers in, the firmware reports none of this.
@@ -96,14 +133,22 @@ impl Bridge {
         if event.severity > enums::MAV_SEVERITY_INFO || self.vehicle.is_none() {
             return;
         }
-        let text: String =
-            format!("Helmlink: {}", event.text).chars().filter(char::is_ascii).take(TEXT_LENGTH).collect();
-        let data = STATUSTEXT_DATA {
-            severity: event.severity,
-            text: CharArray::from(text.as_str()),
-            ..STATUSTEXT_DATA::DEFAULT
-        };
-        self.tell(&Message::STATUSTEXT(data));
+        let text: Vec<u8> = format!("Helmlink: {}", event.text).bytes().filter(u8::is_ascii).collect();
+        let is_long = text.len() > TEXT_LENGTH;
+        if is_long {
+            // 0 says that a text is whole.
+            self.reporter.text_id = self.reporter.text_id.checked_add(1).unwrap_or(1);
+        }
+        for (chunk_seq, chunk) in (0..MOST_CHUNKS).zip(text.chunks(TEXT_LENGTH)) {
+            let chunk: String = chunk.iter().map(|&byte| char::from(byte)).collect();
+            let data = STATUSTEXT_DATA {
+                severity: event.severity,
+                text: CharArray::from(chunk.as_str()),
+                id: if is_long { self.reporter.text_id } else { 0 },
+                chunk_seq,
+            };
+            self.tell(&Message::STATUSTEXT(data));
+        }
     }
 
     /// What the flight controller says goes into the log, not back to it.

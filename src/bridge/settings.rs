@@ -5,11 +5,15 @@ use helmlink_wire::Identity;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Controller;
+use crate::pilot::failsafe::{Failsafe, FailsafeSettings};
 use crate::pilot::supervisor::Limits;
 use crate::vehicle::{Mode, OutputKind};
 
 /// Component id of the bridge on the vehicle's system: MAV_COMP_ID_ONBOARD_COMPUTER.
 pub const COMPONENT: u8 = helmlink_wire::enums::MAV_COMP_ID_ONBOARD_COMPUTER;
+
+/// In shadow a position may be this old, seconds.
+const SHADOW_STALE_S: f64 = 2.5;
 
 /// Where the mission comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -48,8 +52,10 @@ pub struct BridgeSettings {
     pub shadow: bool,
     /// System id that overrides are sent with; the flight controller's SYSID_MYGCS must be the same.
     pub ground_station_system: u8,
-    /// Age limits.
+    /// Waiting times.
     pub limits: Limits,
+    /// What can go wrong, and what is then done.
+    pub failsafes: FailsafeSettings,
 }
 
 impl BridgeSettings {
@@ -69,7 +75,16 @@ impl BridgeSettings {
             shadow: false,
             ground_station_system: 255,
             limits: Limits::default(),
+            failsafes: FailsafeSettings::default(),
         }
+    }
+
+    /// The waiting times of the state machine.
+    pub(super) fn effective_limits(&self) -> Limits {
+        let heartbeat_s = self.failsafes.limit(Failsafe::LinkLost);
+        // A shadow asks for nothing, so it has to live with the rates that it finds: once a second.
+        let stale_s = if self.shadow { self.limits.stale_s.max(SHADOW_STALE_S) } else { self.limits.stale_s };
+        Limits { heartbeat_s, stale_s, ..self.limits }
     }
 
     /// Who sends the steering messages.

@@ -36,4 +36,6 @@ pub struct Status {
     pub diagnostics: Diagnostics,
     /// Control steps made so far.
     pub steps: u64,
+    /// How evenly the steering frames go out.
+    pub pace: super::pace::Pace,
 }

@@ -2,7 +2,8 @@
 
 use helmlink_wire::{Message, enums};
 
-use super::{Bridge, REQUEST_REPEAT, Vehicle};
+use super::pace::Pace;
+use super::{Bridge, REQUEST_REPEAT, Vehicle, controller_state};
 use crate::control::Diagnostics;
 use crate::pilot::MissionRun;
 use crate::pilot::supervisor::{Conditions, Duty, Reason, State, Transition};
@@ -13,6 +14,8 @@ use crate::vehicle::streams::{command_long, set_mode};
 
 /// How many frames let go of the boat: an override that outlives its sender is worse than a frame too many.
 const RELEASE_FRAMES: usize = 2;
+/// The boat hears from the bridge at least this often while it is driven, seconds.
+const REPEAT_S: f64 = 0.09;
 
 /// What the last control steps gave.
 #[derive(Debug, Clone, Copy)]
@@ -21,33 +24,31 @@ pub(super) struct Steering {
     pub(super) diagnostics: Diagnostics,
     pub(super) steps: u64,
     pub(super) thought: Option<ControlState>,
+    pub(super) pace: Pace,
+    /// Driving is interrupted until a fresh position comes.
+    coasting: bool,
 }
 
 impl Default for Steering {
     fn default() -> Self {
-        Self { demand: Demand::NEUTRAL, diagnostics: Diagnostics::default(), steps: 0, thought: None }
+        Self {
+            demand: Demand::NEUTRAL,
+            diagnostics: Diagnostics::default(),
+            steps: 0,
+            thought: None,
+            pace: Pace::default(),
+            coasting: false,
+        }
     }
 }
 
 impl Bridge {
-    pub(super) fn conditions(&self) -> Conditions {
-        Conditions {
-            heartbeat_age_s: self.telemetry.heartbeat_age_s(self.now),
-            position_age_s: self.telemetry.position_age_s(self.now),
-            heading_age_s: self.telemetry.heading_age_s(self.now),
-            estimator_ready: self.telemetry.estimator_is_ready(),
-            mode: self.telemetry.mode(),
-            armed: self.telemetry.is_armed(),
-            mission_ready: self.run.is_some() && self.mission.is_ready(),
-            output_ready: self.output_ready,
-            mission_complete: self.run.as_ref().is_some_and(|run| run.progress().complete),
-        }
-    }
-
     /// Lets the state machine look at the conditions, and does at once what it decides.
     pub(super) fn supervise(&mut self) {
+        self.look_out();
         let now_s = self.now.as_secs_f64();
         let conditions = self.conditions();
+        self.observer.rebooted = false;
         self.supervisor.update(now_s, &conditions);
         while let Some(transition) = self.supervisor.poll_transition() {
             self.on_transition(transition);
@@ -61,6 +62,7 @@ impl Bridge {
 
     fn on_transition(&mut self, transition: Transition) {
         let severity = match transition.to {
+            _ if matches!(transition.reason, Reason::Failsafe(_)) => enums::MAV_SEVERITY_CRITICAL,
             State::Waiting(_) if transition.from == State::Engaged => enums::MAV_SEVERITY_CRITICAL,
             State::HandingBack if transition.reason == Reason::MissionComplete => enums::MAV_SEVERITY_INFO,
             State::HandingBack | State::Ready if transition.from == State::Engaged => {
@@ -68,19 +70,23 @@ impl Bridge {
             }
             _ => enums::MAV_SEVERITY_INFO,
         };
-        let text = match transition.reason {
-            Reason::Lacking(lack) => lack.to_string(),
-            reason => format!("{}: {reason}", transition.to),
-        };
-        self.event(severity, text);
+        self.event(severity, transition.describe());
         match transition.to {
             State::Engaging => self.begin_again_if_complete(),
-            State::Engaged => self.engage_run(),
+            State::Engaged => {
+                self.observer.last_step = Some(self.now);
+                self.steering.coasting = false;
+                self.watch.on_new_way();
+                self.engage_run();
+            }
             State::HandingBack => self.send_demand(Demand::NEUTRAL),
             _ => {}
         }
         if transition.to != State::Engaged {
             self.current.clear();
+        }
+        if !matches!(transition.to, State::Engaged | State::HandingBack) {
+            self.steering.pace.pause();
         }
     }
 
@@ -121,7 +127,10 @@ impl Bridge {
         self.supervise();
         match self.supervisor.duty() {
             Duty::Drive => self.drive(),
-            Duty::Neutral => self.send_demand(Demand::NEUTRAL),
+            Duty::Neutral => {
+                self.steering.coasting |= self.supervisor.state() == State::Engaged;
+                self.send_demand(Demand::NEUTRAL);
+            }
             Duty::Nothing if self.settings.shadow => {
                 self.compute();
             }
@@ -130,6 +139,10 @@ impl Bridge {
     }
 
     fn drive(&mut self) {
+        if std::mem::take(&mut self.steering.coasting) {
+            // What the law has integrated belongs to the time before the gap.
+            self.engage_run();
+        }
         let demand = self.compute().unwrap_or(Demand::NEUTRAL);
         self.send_demand(demand);
         if let Some(item) = self.run.as_ref().and_then(current_item) {
@@ -141,23 +154,29 @@ impl Bridge {
 
     /// What the pilot wants now; `None` when it cannot say.
     fn compute(&mut self) -> Option<Demand> {
+        self.observer.last_step = Some(self.now);
         let run = self.run.as_mut()?;
         let (boot_s, state) = vessel_state(&self.telemetry, run.frame())?;
         match run.step(boot_s, &state) {
             Ok(step) => {
+                self.observer.step_failed = false;
                 self.steering.demand = step.demand;
                 self.steering.diagnostics = step.diagnostics;
                 self.steering.steps += 1;
                 let progress = run.progress();
                 let thought = ControlState::new(boot_s, &state, &progress, &step.demand, &step.diagnostics);
                 self.steering.thought = Some(thought);
-                self.record(|journal| journal.stepped(&thought));
+                self.record(|journal| {
+                    let named = controller_state::messages(boot_s, &step.diagnostics, &step.demand);
+                    journal.stepped(&thought, named);
+                });
                 for index in step.reached.0..step.reached.1 {
                     self.on_waypoint_reached(index);
                 }
                 Some(step.demand)
             }
             Err(error) => {
+                self.observer.step_failed = true;
                 let text = error.to_string();
                 if self.reporter.is_new_problem(&text) {
                     self.event(enums::MAV_SEVERITY_ERROR, text);
@@ -170,8 +189,25 @@ impl Bridge {
     fn send_demand(&mut self, demand: Demand) {
         let Some(vehicle) = self.vehicle else { return };
         self.steering.demand = demand;
+        self.steering.pace.on_frame(self.now);
         let message = self.output.drive(vehicle.id, demand);
         self.send_command(vehicle, &message);
+    }
+
+    /// Repeats the last command when no telemetry has come to compute another one from: a flight controller
+    /// without a radio receiver lets an override fall after half a second. The state machine ends it in time.
+    pub(super) fn keep_sending(&mut self) {
+        let is_due = self.steering.pace.age_s(self.now).is_none_or(|age_s| age_s >= REPEAT_S);
+        match self.supervisor.duty() {
+            Duty::Drive if is_due && self.steering.pace.age_s(self.now).is_some() => {
+                self.send_demand(self.steering.demand);
+            }
+            Duty::Neutral if is_due => {
+                self.steering.coasting |= self.supervisor.state() == State::Engaged;
+                self.send_demand(Demand::NEUTRAL);
+            }
+            _ => {}
+        }
     }
 
     fn let_go(&mut self, vehicle: Vehicle) {

@@ -3,10 +3,12 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`supervisor`] | when the bridge drives, and why it stops |
+//! | [`failsafe`] | what can go wrong, how it is noticed, what is done about it |
 //! | [`mission_run`] | where on the mission the boat is: stretches between stops, waypoints reached |
 //!
 //! The pilot knows a local north-east frame, metres and radians; no MAVLink, no clock, no socket.
 
+pub mod failsafe;
 pub mod mission_run;
 pub mod supervisor;
 

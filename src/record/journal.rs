@@ -103,6 +103,11 @@ impl Journal {
         self.call(now, Call::Request(text));
     }
 
+    /// The log can no longer be written, or can again.
+    pub fn recording_failed(&mut self, now: Duration, failed: bool) {
+        self.call(now, Call::RecordingFailed(failed.into()));
+    }
+
     /// A frame goes out.
     pub fn sent(&mut self, link: LinkId, frame: &Frame<'_>, purpose: Purpose) {
         self.write(frame);
@@ -113,10 +118,12 @@ impl Journal {
     }
 
     /// A control step has been made.
-    pub fn stepped(&mut self, state: &ControlState) {
+    ///
+    /// Its whole state is logged as one array, and now and then `named`: the best known of it by name.
+    pub fn stepped(&mut self, state: &ControlState, named: impl Iterator<Item = Message>) {
         self.note(&state.to_message());
         if self.steps.is_multiple_of(STEPS_PER_NAMED) {
-            state.to_named_messages().for_each(|message| self.note(&message));
+            named.for_each(|message| self.note(&message));
         }
         self.steps = self.steps.wrapping_add(1);
     }

@@ -1,7 +1,7 @@
-//! What the controller thought at one step, as DEBUG_FLOAT_ARRAY, and the best known of it as NAMED_VALUE_FLOAT.
+//! What the controller thought at one step, as DEBUG_FLOAT_ARRAY.
 
 use helmlink_wire::Message;
-use helmlink_wire::dialect::{CharArray, DEBUG_FLOAT_ARRAY_DATA, NAMED_VALUE_FLOAT_DATA};
+use helmlink_wire::dialect::{CharArray, DEBUG_FLOAT_ARRAY_DATA};
 
 use crate::control::Diagnostics;
 use crate::guidance::VesselState;
@@ -69,9 +69,6 @@ control_state! {
     lead_m "LEAD" "m" "the virtual ship's distance ahead along the path",
 }
 
-/// So many of the values, the first ones, are also logged under their names.
-const NAMED: usize = 9;
-
 impl ControlState {
     /// What one step has taken in and given.
     pub fn new(
@@ -121,18 +118,6 @@ impl ControlState {
             name: CharArray::from(NAME),
             array_id: LAYOUT,
             data,
-        })
-    }
-
-    /// The first values under their names, for tools that plot names.
-    pub fn to_named_messages(&self) -> impl Iterator<Item = Message> {
-        let time_boot_ms = (self.boot_s * 1e3).round() as u32;
-        VALUES.iter().zip(self.values()).take(NAMED).map(move |((name, ..), value)| {
-            Message::NAMED_VALUE_FLOAT(NAMED_VALUE_FLOAT_DATA {
-                time_boot_ms,
-                name: CharArray::from(*name),
-                value,
-            })
         })
     }
 

@@ -37,6 +37,8 @@ pub enum Call {
     Tick,
     /// The user asks something, in JSON.
     Request(Vec<u8>),
+    /// The log can no longer be written (1), or can again (0).
+    RecordingFailed(u64),
 }
 
 const RECEIVED: u8 = 1;
@@ -50,6 +52,7 @@ const BYTES: u8 = 18;
 const DATAGRAM: u8 = 19;
 const TICK: u8 = 20;
 const REQUEST: u8 = 21;
+const RECORDING_FAILED: u8 = 22;
 
 /// Noise and requests longer than this are cut into several entries or refused, so that an entry fits in a TUNNEL.
 pub const MAX_TEXT: usize = 96;
@@ -66,6 +69,7 @@ impl Entry {
                     Call::Datagram(link, count) => (DATAGRAM, [Some(link.0.into()), Some(*count)], &[]),
                     Call::Tick => (TICK, [None, None], &[]),
                     Call::Request(text) => (REQUEST, [Some(text.len() as u64), None], text),
+                    Call::RecordingFailed(failed) => (RECORDING_FAILED, [Some(*failed), None], &[]),
                 };
                 out.push(kind);
                 write_number(*since_ns, out);
@@ -104,6 +108,7 @@ impl Entry {
                     DATAGRAM => Call::Datagram(read_link(tape)?, read_number(tape)?),
                     TICK => Call::Tick,
                     REQUEST => Call::Request(read_text(tape)?),
+                    RECORDING_FAILED => Call::RecordingFailed(read_number(tape)?),
                     _ => return None,
                 };
                 Self::Call(since_ns, call)

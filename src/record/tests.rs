@@ -30,6 +30,7 @@ fn any_entry() -> impl Strategy<Value = Entry> {
         (link.clone(), any::<u64>()).prop_map(|(link, count)| Call::Datagram(link, count)),
         Just(Call::Tick),
         text.clone().prop_map(Call::Request),
+        any::<u64>().prop_map(Call::RecordingFailed),
     ];
     prop_oneof![
         (any::<u64>(), call).prop_map(|(since_ns, call)| Entry::Call(since_ns, call)),
@@ -111,7 +112,6 @@ fn every_state_comes_back_from_its_message() {
     let state = ControlState { boot_s: 12.5, cross_track_m: -0.25, lead_m: 3.0, ..ControlState::default() };
     assert_eq!(ControlState::from_message(&state.to_message()), Some(state));
     assert!(state.values().len() <= 58 && state::VALUES.iter().all(|(name, ..)| name.len() <= 10));
-    assert_eq!(state.to_named_messages().count(), 9);
 }
 
 #[test]

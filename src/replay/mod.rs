@@ -29,4 +29,6 @@ pub mod watch;
 pub mod what_if;
 
 #[cfg(test)]
+mod log_tests;
+#[cfg(test)]
 mod tests;

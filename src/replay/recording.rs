@@ -46,6 +46,8 @@ pub enum Input {
     Tick,
     /// [`Bridge::request`].
     Request(Request),
+    /// [`Bridge::set_recording_failed`].
+    RecordingFailed(bool),
 }
 
 impl Input {
@@ -57,6 +59,7 @@ impl Input {
             Self::Bytes(link, bytes, is_datagram) => bridge.on_bytes(now, *link, bytes, *is_datagram),
             Self::Tick => bridge.on_tick(now),
             Self::Request(request) => drop(bridge.request(now, *request)),
+            Self::RecordingFailed(failed) => bridge.set_recording_failed(now, *failed),
         }
     }
 }
@@ -186,6 +189,7 @@ impl<R: Read> Recording<R> {
             Call::Bytes(link, count) => Input::Bytes(link, self.take_bytes(link, count), false),
             Call::Datagram(link, count) => Input::Bytes(link, self.take_bytes(link, count), true),
             Call::Tick => Input::Tick,
+            Call::RecordingFailed(failed) => Input::RecordingFailed(failed != 0),
             Call::Request(text) => {
                 Input::Request(serde_json::from_slice(&text).map_err(|_| RecordingError::Unknown)?)
             }

@@ -10,8 +10,6 @@ use crate::control::{Boat, Controller};
 use crate::simulation::ClosedLoop;
 use crate::vehicle::OutputKind;
 
-const OUTPUTS: [OutputKind; 3] = [OutputKind::RcOverride, OutputKind::ManualControl, OutputKind::Guided];
-
 /// A simulated boat in a rough sea with poor sensors that drives two short legs, recorded.
 fn recorded(controller: Controller, output: OutputKind) -> (String, Vec<u8>) {
     let home = helmlink_mission::geodesy::Geodetic::new(63.4389, 10.399);
@@ -46,7 +44,7 @@ fn proof(log: &[u8]) -> Result<Proof, RecordingError> {
 
 #[test]
 fn a_recording_of_every_controller_and_output_replays_byte_for_byte() {
-    let default = OUTPUTS.map(|output| (Controller::default(), output));
+    let default = OutputKind::ALL.map(|output| (Controller::default(), output));
     let others = Controller::ALL.map(|controller| (controller, OutputKind::RcOverride));
     for (controller, output) in default.into_iter().chain(others) {
         let (commands_sha256, log) = recorded(controller, output);

@@ -8,7 +8,7 @@ use helmlink_wire::{Identity, Message, enums};
 use super::missions::{MissionListener, Transferred};
 use super::servo::ServoReader;
 use crate::bridge::settings;
-use crate::record::ControlState;
+use crate::record::{ControlState, RECORDER};
 use crate::vehicle::telemetry::Update;
 use crate::vehicle::{Cadence, Mode, Telemetry};
 
@@ -81,10 +81,10 @@ impl Watch {
         }
         if from == self.vehicle {
             self.on_vehicle_message(message, see);
-        } else if from.component == crate::record::COMPONENT {
-            if let Some(state) = ControlState::from_message(message) {
-                see(self, Sight::Thought(Box::new(state)));
-            }
+        } else if from == RECORDER
+            && let Some(state) = ControlState::from_message(message)
+        {
+            see(self, Sight::Thought(Box::new(state)));
         }
         if steers(from, self.vehicle, message) {
             self.last_command_s = Some(self.time_s());

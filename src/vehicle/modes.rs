@@ -19,8 +19,12 @@ impl Mode {
     pub const LOITER: Self = Self(enums::ROVER_MODE_LOITER);
     /// The firmware's own mission mode.
     pub const AUTO: Self = Self(enums::ROVER_MODE_AUTO);
+    /// Returns to where it was armed.
+    pub const RTL: Self = Self(enums::ROVER_MODE_RTL);
     /// Follows setpoints that a companion sends.
     pub const GUIDED: Self = Self(enums::ROVER_MODE_GUIDED);
+    /// Starting up: the firmware was switched on a moment ago.
+    pub const INITIALISING: Self = Self(enums::ROVER_MODE_INITIALIZING);
 }
 
 /// Mode numbers with the names that ground stations use for them.

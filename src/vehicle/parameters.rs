@@ -33,6 +33,15 @@ impl ParameterReader {
         Self { wanted: names.iter().map(wanted).collect() }
     }
 
+    /// Will read these too.
+    pub fn require(&mut self, names: &[&'static str]) {
+        for &name in names {
+            if self.wanted.iter().all(|wanted| wanted.name != name) {
+                self.wanted.push(Wanted { name, value: None, attempts: 0, last_asked: None });
+            }
+        }
+    }
+
     /// Takes a PARAM_VALUE; true when it is one of ours and its value is new.
     pub fn on_value(&mut self, data: &PARAM_VALUE_DATA) -> bool {
         let Ok(name) = data.param_id.to_str() else { return false };

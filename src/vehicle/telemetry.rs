@@ -88,8 +88,12 @@ pub struct Telemetry {
     pub mission_current: Option<Stamped<u16>>,
     /// The newest time stamp, seconds since the flight controller's boot.
     pub boot_s: Option<f64>,
+    /// Battery remaining, per cent, where the flight controller knows it.
+    pub battery_percent: Option<f64>,
     /// Messages refused because a value in them was not a number.
     pub refused: u64,
+    /// The last ATTITUDE was one of them.
+    pub attitude_refused: bool,
 }
 
 /// A boot time that falls back by more than this means that the flight controller has restarted.
@@ -115,13 +119,20 @@ impl Telemetry {
                 self.mission_current = Some(Stamped { value: data.seq, received: now });
                 Update::None
             }
+            Message::SYS_STATUS(data) => {
+                // −1: the flight controller does not know.
+                self.battery_percent =
+                    (data.battery_remaining >= 0).then(|| f64::from(data.battery_remaining));
+                Update::None
+            }
             _ => Update::None,
         }
     }
 
     fn on_attitude(&mut self, now: Duration, data: &ATTITUDE_DATA) -> Update {
         let (heading_rad, yaw_rate_radps) = (f64::from(data.yaw), f64::from(data.yawspeed));
-        if !heading_rad.is_finite() || !yaw_rate_radps.is_finite() {
+        self.attitude_refused = !heading_rad.is_finite() || !yaw_rate_radps.is_finite();
+        if self.attitude_refused {
             self.refused += 1;
             return Update::None;
         }

@@ -79,6 +79,12 @@ pub enum Place {
     Item(usize),
     /// An item stored within a complex item, both counted from 1.
     Within(usize, usize),
+    /// A feature of a GeoJSON file, counted from 1.
+    Feature(usize),
+    /// An area of a fence, counted from 1.
+    Area(usize),
+    /// A rally point, counted from 1.
+    Rally(usize),
 }
 
 impl fmt::Display for Place {
@@ -88,6 +94,9 @@ impl fmt::Display for Place {
             Self::Line(line) => write!(f, "line {line}: "),
             Self::Item(item) => write!(f, "item {item}: "),
             Self::Within(item, inner) => write!(f, "item {item}, its part {inner}: "),
+            Self::Feature(feature) => write!(f, "feature {feature}: "),
+            Self::Area(area) => write!(f, "fence, area {area}: "),
+            Self::Rally(point) => write!(f, "rally point {point}: "),
         }
     }
 }
@@ -95,10 +104,10 @@ impl fmt::Display for Place {
 /// What is wrong in a mission file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// Neither format.
+    /// None of the formats.
     #[error(
-        "starts with \"{0}\", which is neither \"QGC WPL 110\" nor a QGroundControl plan (JSON): \
-         save the mission again from a ground station"
+        "starts with \"{0}\", which begins none of the formats that are read (QGC WPL 110, QGroundControl's \
+         .plan, GeoJSON, GPX, KML, KMZ, CSV with headings): save the mission again from a ground station"
     )]
     NotAMission(String),
     /// Not text.
@@ -131,12 +140,6 @@ pub enum Fault {
         /// The index found.
         found: u16,
     },
-    /// Item 0 is not home.
-    #[error(
-        "item 0 is {0}, but item 0 of a \"QGC WPL 110\" file is home, a MAV_CMD_NAV_WAYPOINT (16): put a home \
-         line before it, or write \"QGC WPL 120\" in the first line if the file has no home"
-    )]
-    NotHome(CommandName),
     /// A position that is none.
     #[error("{0}: correct the position of this item")]
     Position(#[from] PositionFault),
@@ -161,6 +164,21 @@ pub enum Fault {
     /// An item that is neither simple nor complex.
     #[error("type is \"{0}\", expected \"SimpleItem\" or \"ComplexItem\"")]
     ItemType(String),
+    /// Not XML.
+    #[error("this is not well-formed XML: {0}")]
+    Xml(String),
+    /// Not GeoJSON.
+    #[error("this is not GeoJSON: {0}")]
+    GeoJson(String),
+    /// Not a zip archive with a KML document in it.
+    #[error("this archive cannot be read: {0}")]
+    Zip(String),
+    /// A table without the headings it needs.
+    #[error("the first line has no headings \"latitude\" and \"longitude\": add a line of headings")]
+    Headings,
+    /// Something else, described in full.
+    #[error("{0}")]
+    Described(String),
     /// No items.
     #[error("the mission has no items: add at least one waypoint")]
     Empty,

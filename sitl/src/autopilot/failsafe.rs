@@ -212,7 +212,7 @@ mod tests {
         let mut bench = Bench::ready();
         bench.arm();
         bench.autopilot.enter_mode(Mode::Loiter).unwrap();
-        bench.vessel.set_gps(false);
+        bench.inject(crate::faults::Fault::GpsLoss).unwrap();
         bench.run_s(2.0);
         assert_eq!(bench.autopilot.mode, Mode::Hold);
     }

@@ -171,6 +171,11 @@ impl Links {
         self.links.iter_mut().find_map(|(&id, link)| Some((id, link.outbox.packets.pop_front()?)))
     }
 
+    /// The next packet for one link.
+    pub(super) fn poll_on(&mut self, link: LinkId) -> Option<Vec<u8>> {
+        self.links.get_mut(&link)?.outbox.packets.pop_front()
+    }
+
     /// The rates of a link.
     pub(super) fn streams(&mut self, link: LinkId) -> Option<&mut Streams> {
         self.links.get_mut(&link).map(|link| &mut link.streams)

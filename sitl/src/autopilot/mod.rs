@@ -7,6 +7,7 @@
 //! | `commands`, `parameters`, `missions`, `ftp` | the services |
 //! | `streams`, `telemetry` | what is sent when |
 //! | `modes`, `arming`, `failsafe` | what the boat may do |
+//! | `faults` | what is made to fail, as parameters |
 //! | `rc`, `guided`, `auto`, `breadcrumbs` | where the orders come from |
 //! | `navigation`, `steering`, `outputs` | from places to turn rates to actuators |
 //! | `tuning` | the gains for a hull |
@@ -20,6 +21,7 @@ mod auto;
 mod breadcrumbs;
 mod commands;
 mod failsafe;
+mod faults;
 mod ftp;
 mod guided;
 mod links;
@@ -60,6 +62,7 @@ use crate::physics::{ActuatorCommand, Estimate, Hull, State};
 use auto::Auto;
 use breadcrumbs::Breadcrumbs;
 use failsafe::Failsafe;
+use faults::FaultClock;
 use guided::Guided;
 use links::Links;
 use modes::{Mode, ModeState};
@@ -79,6 +82,8 @@ const TIMESYNC_PERIOD: Duration = Duration::from_secs(10);
 const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
 /// Time constant of the drift angle's filter, in time constants of the heading.
 const DRIFT_SHARE: f64 = 4.0;
+/// After a restart the first HEARTBEAT comes this late (measured: about a second).
+const BOOT_SILENCE: Duration = Duration::from_secs(1);
 /// Current drawn at rest, and at full throttle on top, A.
 const CURRENT_A: (f64, f64) = (0.5, 20.0);
 
@@ -118,6 +123,9 @@ pub(crate) struct Autopilot {
     /// The message that a command has asked for.
     requested: Option<Message>,
     consumed_mah: f64,
+    /// A computer that starts says nothing until then.
+    silent_until: Duration,
+    faults: FaultClock,
 }
 
 impl Autopilot {
@@ -170,6 +178,8 @@ impl Autopilot {
             report: None,
             requested: None,
             consumed_mah: 0.0,
+            silent_until: Duration::ZERO,
+            faults: FaultClock::default(),
         })
     }
 
@@ -205,6 +215,7 @@ impl Autopilot {
         for link in self.links.ids() {
             self.receive(link);
         }
+        self.take_passing_faults();
         self.start_up();
         self.poll_missions();
         self.rc.expire(now, &self.parameters);
@@ -229,6 +240,9 @@ impl Autopilot {
 
     /// The second half of a loop: sends what is due.
     pub(crate) fn transmit(&mut self) {
+        if self.is_starting() {
+            return;
+        }
         let before = self.now.saturating_sub(LOOP);
         self.continue_parameter_lists();
         self.send_due(before);
@@ -268,6 +282,7 @@ impl Autopilot {
     /// Starts anew: everything but parameters, plans and links.
     fn reboot(&mut self) {
         self.booted = self.now;
+        self.silent_until = self.now + BOOT_SILENCE;
         self.mode = Mode::Initialising;
         self.armed = false;
         self.home = None;
@@ -299,6 +314,11 @@ impl Autopilot {
         self.now.saturating_sub(self.booted)
     }
 
+    /// Whether the computer has only just been started anew and neither hears nor says anything.
+    fn is_starting(&self) -> bool {
+        self.now < self.silent_until
+    }
+
     /// Whether the autopilot has left INITIALISING behind.
     fn is_initialised(&self) -> bool {
         self.since_boot() >= self.settings.start_up.initialised_after
@@ -306,7 +326,9 @@ impl Autopilot {
 
     /// Whether the estimator has a position.
     fn has_position(&self) -> bool {
-        self.since_boot() >= self.settings.start_up.position_after && self.estimate.has_gps
+        !self.has_failed_estimator()
+            && self.since_boot() >= self.settings.start_up.position_after
+            && self.estimate.has_gps
     }
 
     fn motion(&self) -> Motion {

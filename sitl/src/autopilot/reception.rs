@@ -27,7 +27,7 @@ impl Autopilot {
         let (from, own) = (frame.identity(), self.links.own);
         // Reports of the radio about itself concern its own link alone.
         let is_local = matches!(frame.message_id(), RADIO_STATUS_DATA::ID | RADIO_DATA::ID);
-        if from == own || from.system == 0 || is_local {
+        if from == own || from.system == 0 || is_local || self.is_starting() {
             return;
         }
         let message = if frame.is_verified() { frame.decode().ok() } else { None };

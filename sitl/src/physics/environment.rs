@@ -35,6 +35,7 @@ pub struct Conditions {
 /// The sea around one boat, with its own randomness.
 #[derive(Debug, Clone)]
 pub struct Environment {
+    sea: Sea,
     current: Option<MovingCurrent>,
     wind: Option<GustyWind>,
     waves: Option<Seaway>,
@@ -46,6 +47,7 @@ impl Environment {
     /// The sea around `hull`. The same seed gives the same gusts and waves whatever the boat does.
     pub fn new(sea: &Sea, hull: &Hull, seed: u64) -> Environment {
         Environment {
+            sea: *sea,
             current: sea.current.map(|mean| MovingCurrent::new(mean, seed)),
             wind: sea.wind.map(|mean| GustyWind::new(mean, hull, seed)),
             waves: sea.waves.zip(hull.waves).map(|(waves, response)| {
@@ -62,6 +64,21 @@ impl Environment {
             push: sea.push.and_then(|push| SlowPush::new(push, hull)),
             time_s: 0.0,
         }
+    }
+
+    /// Changes to another sea; the parts that are the same go on as they were.
+    pub(super) fn change(&mut self, sea: &Sea, hull: &Hull, seed: u64) {
+        let new = Environment::new(sea, hull, seed);
+        if sea.current != self.sea.current {
+            self.current = new.current;
+        }
+        if sea.wind != self.sea.wind {
+            self.wind = new.wind;
+        }
+        if sea.waves != self.sea.waves {
+            self.waves = new.waves;
+        }
+        self.sea = *sea;
     }
 
     /// Advances by `dt_s` and returns what acts on a hull in this state.

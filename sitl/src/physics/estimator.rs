@@ -3,7 +3,7 @@
 //! size and kind: smooth, slightly late, biased as the sensors are.
 
 use super::dynamics::{to_ned, wrap};
-use super::sensors::{Estimate, TrueMotion};
+use super::sensors::{Estimate, GpsFix, TrueMotion};
 
 /// Share of a position error taken out per GPS fix.
 const POSITION_GAIN: f64 = 0.12;
@@ -23,15 +23,6 @@ pub(super) struct Inertial {
     pub(super) forward_mps2: f64,
     pub(super) starboard_mps2: f64,
     pub(super) compass_rad: f64,
-}
-
-/// One GPS fix.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct GpsFix {
-    pub(super) north_m: f64,
-    pub(super) east_m: f64,
-    pub(super) north_mps: f64,
-    pub(super) east_mps: f64,
 }
 
 /// Constant-gain estimator of position, velocity, heading and yaw rate.

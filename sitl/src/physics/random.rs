@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// The sources of randomness. The numbers are stream identifiers and must not be reused.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Source {
+pub(crate) enum Source {
     Current = 1,
     Gust = 2,
     WaveDrift = 3,
@@ -14,16 +14,22 @@ pub(super) enum Source {
     Gps = 5,
     Compass = 6,
     Inertial = 7,
+    Link = 8,
 }
 
 /// A stream of random numbers of one source.
 #[derive(Debug, Clone)]
-pub(super) struct Stream(ChaCha8Rng);
+pub(crate) struct Stream(ChaCha8Rng);
 
 impl Stream {
-    pub(super) fn new(seed: u64, source: Source) -> Stream {
+    pub(crate) fn new(seed: u64, source: Source) -> Stream {
+        Self::numbered(seed, source, 0)
+    }
+
+    /// One of many streams of the same source.
+    pub(crate) fn numbered(seed: u64, source: Source, number: u32) -> Stream {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(source as u64);
+        generator.set_stream(u64::from(number) << 8 | source as u64);
         Stream(generator)
     }
 
@@ -33,7 +39,7 @@ impl Stream {
     }
 
     /// A number uniform in [0, 1), from the upper 53 bits of a draw.
-    pub(super) fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 

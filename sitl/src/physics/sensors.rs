@@ -1,6 +1,8 @@
 //! From the true motion to what the flight controller's sensors deliver.
 
-use super::estimator::{Estimator, GpsFix, Inertial};
+use super::dynamics::wrap;
+use super::estimator::{Estimator, Inertial};
+use super::faults::{GpsFaults, VesselFaults};
 use super::random::{GaussMarkov, Source, Stream};
 
 /// How good the sensors are.
@@ -127,6 +129,21 @@ pub struct Estimate {
     pub r_radps: f64,
     /// False while the GPS delivers nothing; the rest is then dead reckoning.
     pub has_gps: bool,
+    /// What the GPS itself said last.
+    pub gps: GpsFix,
+}
+
+/// One GPS fix.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GpsFix {
+    /// Metres north of the local origin.
+    pub north_m: f64,
+    /// Metres east of the local origin.
+    pub east_m: f64,
+    /// Velocity to the north, m/s.
+    pub north_mps: f64,
+    /// Velocity to the east, m/s.
+    pub east_mps: f64,
 }
 
 /// The true motion of the sensors, wave motion included.
@@ -152,22 +169,41 @@ const TIME_SLACK_S: f64 = 1e-6;
 pub(super) struct Sensors {
     noisy: Option<Noisy>,
     estimate: Estimate,
+    last_time_s: f64,
+    /// How far the GPS has run away so far, m.
+    drifted_m: [f64; 2],
 }
 
 impl Sensors {
     pub(super) fn new(settings: &SensorSettings, length_m: f64, seed: u64, motion: &TrueMotion) -> Sensors {
         Sensors {
             noisy: settings.noise.map(|noise| Noisy::new(noise, length_m, seed, motion)),
-            estimate: exact(0.0, motion, true),
+            estimate: exact(0.0, motion, &VesselFaults::default(), [0.0; 2], fix_of(motion, [0.0; 2])),
+            last_time_s: 0.0,
+            drifted_m: [0.0; 2],
         }
     }
 
     /// Takes in the true motion at `time_s`.
-    pub(super) fn step(&mut self, time_s: f64, motion: &TrueMotion, gps_works: bool) {
+    pub(super) fn step(&mut self, time_s: f64, motion: &TrueMotion, faults: &VesselFaults) {
+        let offset_m = self.gps_offset_m(time_s - self.last_time_s, &faults.gps);
+        self.last_time_s = time_s;
         self.estimate = match &mut self.noisy {
-            None => exact(time_s, motion, gps_works),
-            Some(noisy) => noisy.step(time_s, motion, gps_works).unwrap_or(self.estimate),
+            None => exact(time_s, motion, faults, offset_m, self.estimate.gps),
+            Some(noisy) => noisy.step(time_s, motion, faults, offset_m).unwrap_or(self.estimate),
         };
+    }
+
+    /// How far the GPS is off by its faults.
+    fn gps_offset_m(&mut self, dt_s: f64, gps: &GpsFaults) -> [f64; 2] {
+        let (jump, drift) = (gps.jump_m, gps.drift_mps);
+        if drift == Default::default() {
+            self.drifted_m = [0.0; 2];
+            return [jump.north, jump.east];
+        }
+        self.drifted_m[0] += dt_s * drift.north;
+        self.drifted_m[1] += dt_s * drift.east;
+        [jump.north + self.drifted_m[0], jump.east + self.drifted_m[1]]
     }
 
     pub(super) fn estimate(&self) -> Estimate {
@@ -175,18 +211,41 @@ impl Sensors {
     }
 }
 
-fn exact(time_s: f64, motion: &TrueMotion, has_gps: bool) -> Estimate {
+/// The truth, as far as the faults let it through; `last` is the fix that a frozen GPS repeats.
+fn exact(
+    time_s: f64,
+    motion: &TrueMotion,
+    faults: &VesselFaults,
+    offset_m: [f64; 2],
+    last: GpsFix,
+) -> Estimate {
+    let gps = if faults.gps.frozen { last } else { fix_of(motion, offset_m) };
     Estimate {
         time_s,
-        north_m: motion.north_m,
-        east_m: motion.east_m,
-        psi_rad: motion.psi_rad,
+        north_m: gps.north_m,
+        east_m: gps.east_m,
+        psi_rad: if faults.compass_offset_rad == 0.0 {
+            motion.psi_rad
+        } else {
+            wrap(motion.psi_rad + faults.compass_offset_rad)
+        },
         roll_rad: motion.roll_rad,
         pitch_rad: motion.pitch_rad,
+        north_mps: gps.north_mps,
+        east_mps: gps.east_mps,
+        r_radps: motion.r_radps,
+        has_gps: !faults.gps.lost,
+        gps,
+    }
+}
+
+/// A fix without noise.
+fn fix_of(motion: &TrueMotion, offset_m: [f64; 2]) -> GpsFix {
+    GpsFix {
+        north_m: motion.north_m + offset_m[0],
+        east_m: motion.east_m + offset_m[1],
         north_mps: motion.north_mps,
         east_mps: motion.east_mps,
-        r_radps: motion.r_radps,
-        has_gps,
     }
 }
 
@@ -205,6 +264,7 @@ struct Noisy {
     next_fix_s: f64,
     last_time_s: f64,
     last_velocity_mps: [f64; 2],
+    last_fix: GpsFix,
     estimator: Estimator,
 }
 
@@ -228,26 +288,37 @@ impl Noisy {
             next_fix_s: 1.0 / noise.gps_rate_hz,
             last_time_s: 0.0,
             last_velocity_mps: [motion.north_mps, motion.east_mps],
+            last_fix: fix_of(motion, [0.0; 2]),
         }
     }
 
     /// The new estimate, when it is time for one.
-    fn step(&mut self, time_s: f64, motion: &TrueMotion, gps_works: bool) -> Option<Estimate> {
+    fn step(
+        &mut self,
+        time_s: f64,
+        motion: &TrueMotion,
+        faults: &VesselFaults,
+        offset_m: [f64; 2],
+    ) -> Option<Estimate> {
         if time_s + TIME_SLACK_S < self.next_inertial_s {
             return None;
         }
         self.next_inertial_s += 1.0 / INERTIAL_RATE_HZ;
         let dt_s = time_s - self.last_time_s;
-        let inertial = self.inertial(dt_s, motion);
+        let mut inertial = self.inertial(dt_s, motion);
+        inertial.compass_rad += faults.compass_offset_rad;
         self.estimator.predict(dt_s, &inertial);
         self.last_time_s = time_s;
         self.last_velocity_mps = [motion.north_mps, motion.east_mps];
         if time_s + TIME_SLACK_S >= self.next_fix_s {
             self.next_fix_s += 1.0 / self.noise.gps_rate_hz;
             // Drawn even in an outage, so that an outage leaves the later noise as it was.
-            let fix = self.fix(motion);
-            if gps_works {
-                self.estimator.correct(&fix);
+            let fix = self.fix(motion, offset_m);
+            if !faults.gps.frozen {
+                self.last_fix = fix;
+            }
+            if !faults.gps.lost {
+                self.estimator.correct(&self.last_fix);
             }
         }
         let estimate = self.estimator.estimate();
@@ -255,7 +326,8 @@ impl Noisy {
             time_s,
             roll_rad: motion.roll_rad,
             pitch_rad: motion.pitch_rad,
-            has_gps: gps_works,
+            has_gps: !faults.gps.lost,
+            gps: self.last_fix,
             ..estimate
         })
     }
@@ -281,14 +353,15 @@ impl Noisy {
         }
     }
 
-    fn fix(&mut self, motion: &TrueMotion) -> GpsFix {
+    fn fix(&mut self, motion: &TrueMotion, offset_m: [f64; 2]) -> GpsFix {
         let noise = &self.noise;
         let interval_s = 1.0 / noise.gps_rate_hz;
         let mut position = |axis: usize, true_m: f64| {
             let wander = self.wander[axis].step(interval_s, &mut self.gps);
             true_m + noise.gps_wander_m * wander + noise.gps_white_m * self.gps.normal()
         };
-        let (north_m, east_m) = (position(0, motion.north_m), position(1, motion.east_m));
+        let (north_m, east_m) =
+            (position(0, motion.north_m + offset_m[0]), position(1, motion.east_m + offset_m[1]));
         let mut velocity = |true_mps: f64| true_mps + noise.gps_velocity_mps * self.gps.normal();
         GpsFix { north_m, east_m, north_mps: velocity(motion.north_mps), east_mps: velocity(motion.east_mps) }
     }

@@ -203,7 +203,8 @@ fn without_gps_the_estimate_drifts_and_says_so() {
         Vessel::new(hull("otter"), &Sea::default(), &SensorSettings::typical(), 1, Pose::default());
     run(&mut boat, 10.0, AHEAD);
     assert!(boat.estimate().has_gps);
-    boat.set_gps(false);
+    let gps = faults::GpsFaults { lost: true, ..Default::default() };
+    boat.set_faults(VesselFaults { gps, ..VesselFaults::default() });
     let truth = run(&mut boat, 60.0, AHEAD).hull;
     let estimate = boat.estimate();
     assert!(!estimate.has_gps);

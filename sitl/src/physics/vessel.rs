@@ -4,6 +4,7 @@ use super::STEP_S;
 use super::actuators::{self, ActuatorCommand, ActuatorState};
 use super::dynamics::{NedVector, State, step_maneuvering, step_motorboat, to_body, to_ned, wrap};
 use super::environment::{Conditions, Environment};
+use super::faults::{FaultyBoat, VesselFaults};
 use super::hull::{Hull, HullDynamics};
 use super::sea::Sea;
 use super::sensors::{Estimate, SensorSettings, Sensors, TrueMotion};
@@ -59,7 +60,8 @@ pub struct Vessel {
     actuators: ActuatorState,
     conditions: Conditions,
     moored: bool,
-    gps_works: bool,
+    faulty: FaultyBoat,
+    seed: u64,
 }
 
 impl Vessel {
@@ -87,7 +89,8 @@ impl Vessel {
             state,
             conditions,
             moored: false,
-            gps_works: true,
+            faulty: FaultyBoat::default(),
+            seed,
         }
     }
 
@@ -106,6 +109,7 @@ impl Vessel {
     }
 
     fn advance(&mut self, dt_s: f64, command: ActuatorCommand) {
+        let command = self.faulty.effective(&self.hull, command);
         self.conditions = self.environment.step(dt_s, &self.state);
         let current = self.conditions.current_mps;
         if self.moored {
@@ -128,7 +132,7 @@ impl Vessel {
         }
         self.time_s += dt_s;
         let motion = true_motion(&self.state, &seen(&self.conditions, self.sees_waves));
-        self.sensors.step(self.time_s, &motion, self.gps_works);
+        self.sensors.step(self.time_s, &motion, &self.faulty.faults);
     }
 
     /// Holds the boat at its place (true) or sets it adrift (false). Waves still move a moored boat.
@@ -140,9 +144,21 @@ impl Vessel {
         self.moored = moored;
     }
 
-    /// Switches the GPS on or off.
-    pub fn set_gps(&mut self, works: bool) {
-        self.gps_works = works;
+    /// Sets what is wrong with sensors and actuators from now on, in place of what was.
+    pub fn set_faults(&mut self, faults: VesselFaults) {
+        self.faulty.set(faults, &self.hull, self.actuators);
+    }
+
+    /// What is wrong with sensors and actuators.
+    pub fn faults(&self) -> &VesselFaults {
+        &self.faulty.faults
+    }
+
+    /// Changes the sea from now on. What stays the same goes on as it was: the randomness of a part starts
+    /// anew only where its mean has changed.
+    pub fn set_sea(&mut self, sea: &Sea) {
+        self.environment.change(sea, &self.hull, self.seed);
+        self.conditions = self.environment.step(0.0, &self.state);
     }
 
     /// What the flight controller knows. With perfect sensors new at every step, else at 50 Hz.

@@ -24,7 +24,6 @@ pub(in crate::app) struct Wishes<'a> {
     pub(in crate::app) controller: Option<Controller>,
     pub(in crate::app) output: Option<OutputKind>,
     pub(in crate::app) speed_mps: Option<f64>,
-    pub(in crate::app) system: Option<u8>,
 }
 
 /// A log that has been scanned.

@@ -10,7 +10,6 @@ use helmlink_mission::route::Route;
 
 use super::engine::{Engine, Wishes};
 use super::{LogFiles, Outcome, ReplayArgs, check_digest};
-use crate::app::console;
 use crate::app::failure::Failure;
 use crate::app::log_report::{self, LogReport};
 use crate::replay::export::Exporting;
@@ -52,7 +51,6 @@ pub(super) fn wishes(args: &ReplayArgs) -> Wishes<'_> {
         controller: args.controller,
         output: args.output,
         speed_mps: args.speed,
-        system: args.system,
     }
 }
 

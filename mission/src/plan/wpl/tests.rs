@@ -66,13 +66,12 @@ fn says_where_and_what_is_wrong() {
         (Place::Line(5), Fault::Columns(11))
     );
     assert_eq!(fault(&with("3\t0\t3", "4\t0\t3")).1, Fault::Index { expected: 3, found: 4 });
-    assert_eq!(fault(&with("0\t1\t0\t16", "0\t1\t0\t22")).1, Fault::NotHome(CommandName(22)));
     assert_eq!(fault(&with("3\t0\t3\t16", "3\t0\t1\t16")).1, Fault::Frame(1));
     assert_eq!(fault(&with("3\t0\t3\t16", "3\t0\t2\t16")).1, Fault::NoFrame(CommandName(16)));
     assert_eq!(fault("QGC WPL 110\n"), (Place::File, Fault::Empty));
     assert_eq!(fault(&LAWNMOWER[..LAWNMOWER.find("\n1").unwrap()]), (Place::File, Fault::Empty));
     assert_eq!(fault(""), (Place::File, Fault::NotAMission(String::new())));
-    assert_eq!(fault("<kml>"), (Place::File, Fault::NotAMission("<kml>".into())));
+    assert_eq!(fault("<svg>"), (Place::File, Fault::NotAMission("<svg>".into())));
     for (column, from, to) in [
         ("latitude", "43.53608008", "nan"),
         ("longitude", "-5.64962885", "inf"),

@@ -36,7 +36,7 @@ fn auto_needs_a_mission_even_when_disarmed() {
 fn armed_without_a_position_only_simple_modes_are_open() {
     let mut bench = Bench::ready();
     bench.arm();
-    bench.vessel.set_gps(false);
+    bench.inject(crate::faults::Fault::GpsLoss).unwrap();
     bench.run_s(0.1);
     assert_eq!(bench.autopilot.enter_mode(Mode::Guided), Err(ModeRefusal::NotNow));
     assert_eq!(bench.autopilot.enter_mode(Mode::Acro), Err(ModeRefusal::NotNow));

@@ -79,6 +79,8 @@ pub(super) struct Parameters {
     definitions: Vec<Definition>,
     values: Vec<f32>,
     by_name: BTreeMap<String, Param>,
+    /// Grows with every change of a value.
+    revision: u64,
 }
 
 impl Parameters {
@@ -88,7 +90,7 @@ impl Parameters {
         let values = definitions.iter().map(|definition| definition.default).collect();
         let by_name =
             definitions.iter().enumerate().map(|(at, each)| (each.name.clone(), Param(at))).collect();
-        Self { definitions, values, by_name }
+        Self { definitions, values, by_name, revision: 0 }
     }
 
     /// The value of a parameter.
@@ -103,6 +105,23 @@ impl Parameters {
 
     fn value(&self, param: Param) -> f32 {
         self.values.get(param.0).copied().unwrap_or_default()
+    }
+
+    /// Sets a parameter to its default.
+    pub(super) fn reset(&mut self, param: Param) {
+        if let Some(default) = self.definitions.get(param.0).map(|definition| definition.default) {
+            self.put(param, default);
+        }
+    }
+
+    /// Counts as a change although no value has changed.
+    pub(super) fn touch(&mut self) {
+        self.revision += 1;
+    }
+
+    /// A number that changes whenever a value does.
+    pub(super) fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Number of parameters.
@@ -142,7 +161,11 @@ impl Parameters {
         if let (Some(slot), Some(definition)) = (self.values.get_mut(param.0), self.definitions.get(param.0))
             && value.is_finite()
         {
-            *slot = definition.kind.cast(value.clamp(definition.range.0, definition.range.1));
+            let value = definition.kind.cast(value.clamp(definition.range.0, definition.range.1));
+            if *slot != value {
+                *slot = value;
+                self.revision += 1;
+            }
         }
     }
 }

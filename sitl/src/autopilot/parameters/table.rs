@@ -140,6 +140,33 @@ mod rows {
         BATT_CAPACITY: Int32 = 100000 in 1 .. 2000000;
         LOG_BITMASK: Int32 = 0 in 0 .. 1048575;
         LOG_DISARMED: Int8 = 0 in 0 .. 3;
+
+        // Faults of the simulated world (see the module `faults`). Names of ArduPilot's own simulator where
+        // it has them.
+        SIM_GPS_DISABLE: Int8 = 0 in 0 .. 1;
+        SIM_GPS_FREEZE: Int8 = 0 in 0 .. 1;
+        SIM_GPS_GLITCH_X: Real32 = 0 in -1 .. 1;
+        SIM_GPS_GLITCH_Y: Real32 = 0 in -1 .. 1;
+        SIM_GPS_DRIFT_N: Real32 = 0 in -100 .. 100;
+        SIM_GPS_DRIFT_E: Real32 = 0 in -100 .. 100;
+        SIM_MAG_YAW: Real32 = 0 in -180 .. 180;
+        SIM_RUD_STUCK: Int8 = 0 in 0 .. 2;
+        SIM_RUD_AT: Real32 = 0 in -1 .. 1;
+        SIM_RUD_MUL: Real32 = 1 in 0 .. 1;
+        SIM_ENGINE_FAIL: Int8 = 0 in 0 .. 3;
+        SIM_ENGINE_MUL: Real32 = 1 in 0 .. 1;
+        SIM_ENG_STUCK: Int8 = 0 in 0 .. 3;
+        SIM_BATT_LEFT: Real32 = -1 in -1 .. 100;
+        SIM_EKF_FAIL: Int8 = 0 in 0 .. 1;
+        SIM_REBOOT: Int8 = 0 in 0 .. 1;
+        SIM_LNK_LOSS: Real32 = 0 in 0 .. 100;
+        SIM_LNK_DELAY: Real32 = 0 in 0 .. 60000;
+        SIM_LNK_JITTER: Real32 = 0 in 0 .. 60000;
+        SIM_LNK_DUP: Real32 = 0 in 0 .. 100;
+        SIM_LNK_REORDER: Real32 = 0 in 0 .. 100;
+        SIM_LNK_CORRUPT: Real32 = 0 in 0 .. 100;
+        SIM_LNK_OUTAGE: Real32 = 0 in 0 .. 3600;
+        SIM_LNK_NUMBER: Int32 = -1 in -1 .. 2147483000;
     }
 
     pub(super) fn definitions() -> Vec<Definition> {

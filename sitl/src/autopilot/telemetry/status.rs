@@ -48,6 +48,8 @@ const EKF_GOOD: u16 = EKF_ATTITUDE
     | EKF_PRED_POS_HORIZ_ABS;
 /// The same without a position.
 const EKF_NO_POSITION: u16 = EKF_ATTITUDE | EKF_VELOCITY_VERT | EKF_POS_VERT_ABS | EKF_CONST_POS_MODE;
+/// Variances of an estimator that has given up; above 1 its readings are rejected.
+const FAILED_VARIANCE: f32 = 1.6;
 
 impl Autopilot {
     /// MAV_STATE: standby in HOLD, active in every other mode, critical while a failsafe persists.
@@ -156,14 +158,16 @@ impl Autopilot {
     pub(super) fn ekf_status(&self) -> Message {
         let flags = match (self.is_initialised(), self.has_position()) {
             (false, _) => EKF_UNINITIALIZED,
+            (true, _) if self.has_failed_estimator() => EKF_ATTITUDE,
             (true, false) => EKF_NO_POSITION,
             (true, true) => EKF_GOOD,
         };
+        let variance = |usual: f32| if self.has_failed_estimator() { FAILED_VARIANCE } else { usual };
         Message::EKF_STATUS_REPORT(EKF_STATUS_REPORT_DATA {
-            velocity_variance: 0.02,
-            pos_horiz_variance: 0.02,
+            velocity_variance: variance(0.02),
+            pos_horiz_variance: variance(0.02),
             pos_vert_variance: 0.01,
-            compass_variance: 0.02,
+            compass_variance: variance(0.02),
             flags,
             ..EKF_STATUS_REPORT_DATA::DEFAULT
         })
@@ -247,7 +251,7 @@ mod tests {
     #[test]
     fn a_lost_gps_shows() {
         let mut bench = Bench::ready();
-        bench.vessel.set_gps(false);
+        bench.inject(crate::faults::Fault::GpsLoss).unwrap();
         bench.run_loops(2);
         assert_eq!(health(&bench) & MAV_SYS_STATUS_SENSOR_GPS, 0);
         assert_eq!(ekf_flags(&bench) & EKF_POS_HORIZ_ABS, 0);

@@ -1,26 +1,29 @@
 //! The state machine under the conditions that matter at sea.
 
 use super::*;
+use crate::pilot::failsafe::{Failsafe, Trip};
 
 const GUIDED_BY_PILOT: Policy = Policy {
     drive_mode: Mode::MANUAL,
     engage_mode: None,
     may_arm: false,
     end_mode: Mode::HOLD,
-    limits: Limits { heartbeat_s: 3.0, position_s: 1.0, heading_s: 1.0, mode_change_s: 3.0, arming_s: 30.0 },
+    shadow: false,
+    limits: Limits { stale_s: 1.0, heartbeat_s: 3.0, mode_change_s: 3.0, arming_s: 30.0 },
 };
 
 fn good() -> Conditions {
     Conditions {
         heartbeat_age_s: 0.1,
-        position_age_s: 0.1,
-        heading_age_s: 0.1,
-        estimator_ready: true,
+        steady: true,
         mode: Some(Mode::MANUAL),
         armed: true,
-        mission_ready: true,
+        rebooted: false,
+        mission_there: true,
+        mission_current: true,
         output_ready: true,
         mission_complete: false,
+        trip: None,
     }
 }
 
@@ -60,13 +63,13 @@ fn the_pilot_takes_over_at_once() {
 
 #[test]
 fn every_loss_ends_the_drive() {
+    let trip = Trip { failsafe: Failsafe::PositionAge, action: Action::NeutralAndRelease, value: 3.1 };
     let losses = [
         (Conditions { heartbeat_age_s: 3.1, ..good() }, Duty::Nothing),
         (Conditions { armed: false, ..good() }, Duty::Nothing),
-        (Conditions { position_age_s: 1.1, ..good() }, Duty::Neutral),
-        (Conditions { heading_age_s: 1.1, ..good() }, Duty::Neutral),
-        (Conditions { estimator_ready: false, ..good() }, Duty::Neutral),
-        (Conditions { position_age_s: f64::NAN.max(f64::INFINITY), ..good() }, Duty::Neutral),
+        (Conditions { rebooted: true, ..good() }, Duty::Nothing),
+        (Conditions { trip: Some(trip), ..good() }, Duty::Neutral),
+        (Conditions { mission_there: false, ..good() }, Duty::Neutral),
     ];
     for (conditions, duty) in losses {
         let mut supervisor = engaged(GUIDED_BY_PILOT);
@@ -80,6 +83,42 @@ fn every_loss_ends_the_drive() {
         assert_eq!(supervisor.duty(), Duty::Nothing);
         assert!(supervisor.take_release());
     }
+}
+
+#[test]
+fn a_short_gap_in_the_position_is_waited_out_with_motors_neutral() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    supervisor.update(1.0, &Conditions { steady: false, ..good() });
+    assert_eq!((supervisor.state(), supervisor.duty()), (State::Engaged, Duty::Neutral));
+    supervisor.update(2.0, &good());
+    assert_eq!(supervisor.duty(), Duty::Drive);
+}
+
+#[test]
+fn a_refused_loiter_becomes_hold() {
+    let mut supervisor = engaged(GUIDED_BY_PILOT);
+    let trip = Some(Trip { failsafe: Failsafe::Fence, action: Action::HoldPosition, value: 1.0 });
+    supervisor.update(1.0, &Conditions { trip, ..good() });
+    assert_eq!(supervisor.wanted_mode(&good()), Some(Mode::LOITER));
+    supervisor.update(4.1, &good());
+    assert_eq!((supervisor.wanted_mode(&good()), supervisor.duty()), (Some(Mode::HOLD), Duty::Neutral));
+    supervisor.update(4.5, &Conditions { mode: Some(Mode::HOLD), ..good() });
+    assert_eq!((supervisor.state(), supervisor.duty()), (State::Holding, Duty::Nothing));
+}
+
+#[test]
+fn the_mission_is_read_again_before_the_mode_is_changed() {
+    let mut supervisor = Supervisor::new(GUIDED_BY_PILOT);
+    let reading = Conditions { mode: Some(Mode::HOLD), mission_current: false, ..good() };
+    supervisor.update(0.0, &good());
+    supervisor.request(0.0, Request::Engage { patient: false }, &reading).unwrap();
+    supervisor.update(5.0, &reading);
+    assert_eq!((supervisor.state(), supervisor.wanted_mode(&reading)), (State::Engaging, None));
+    let read = Conditions { mission_current: true, ..reading };
+    supervisor.update(5.1, &read);
+    assert_eq!(supervisor.wanted_mode(&read), Some(Mode::MANUAL));
+    supervisor.update(5.2, &good());
+    assert_eq!(supervisor.state(), State::Engaged);
 }
 
 #[test]
