@@ -10,6 +10,9 @@
 //! | [`physics`] | hull, actuators, sea and sensors |
 //! | `autopilot` | an ArduRover-like flight controller: modes, missions, parameters, failsafes, MAVLink |
 //! | [`faults`] | links, sensors, actuators and the autopilot made to fail |
+//! | [`scenario`] | seas, faults and expectations over time, from files |
+//! | [`ardupilot`] | the same physics behind a real ArduPilot |
+//! | `clock` | pausing, stepping and lockstep |
 //! | `trial` | how a hull answers throttle and steering, from which the autopilot is tuned |
 //!
 //! # Faults
@@ -29,11 +32,15 @@
 //! Nothing here owns a socket or a clock. The same settings and the same bytes at the same simulated times
 //! give the same bytes out.
 
+pub mod ardupilot;
 mod autopilot;
+mod clock;
 pub mod faults;
 pub mod physics;
+pub mod scenario;
 mod sitl;
+mod toml_place;
 mod trial;
 
 pub use autopilot::{AutopilotSettings, StartUp};
-pub use sitl::{Sitl, SitlError, SitlSettings};
+pub use sitl::{PlayError, Sitl, SitlError, SitlSettings};

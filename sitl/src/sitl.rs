@@ -8,8 +8,11 @@ use helmlink_mission::plan::Item;
 use helmlink_wire::LinkId;
 
 use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
+use crate::clock::ClockOrder;
 use crate::faults::{Fault, FaultError, Lines, LinkWeather, Schedule, TimedFault, Turn};
+use crate::physics::sea::{Current, Wind};
 use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
+use crate::scenario::{Observation, Play, Scenario, Verdict};
 
 /// Physics steps per loop of the autopilot.
 const STEPS_PER_LOOP: u32 = 2;
@@ -76,6 +79,17 @@ pub enum SitlError {
     },
 }
 
+/// Why a scenario cannot be played with this boat.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlayError {
+    /// A fault that it cannot have.
+    #[error(transparent)]
+    Fault(#[from] FaultError),
+    /// A parameter that it does not have.
+    #[error("the scenario sets the parameter `{0}`, which the autopilot does not have")]
+    NoSuchParameter(String),
+}
+
 /// A simulated boat with an ArduRover-like autopilot.
 ///
 /// The owner opens links, hands in the bytes that arrive on them, advances the simulated time and takes out
@@ -105,8 +119,10 @@ pub struct Sitl {
     weather: LinkWeather,
     /// What has come out of bad lines.
     outbox: VecDeque<(LinkId, Vec<u8>)>,
-    /// The parameters' revision that the faults were last read from.
+    /// The parameters' revision that the faults were last read from, and what they said of tide and wind.
     faults_of: Option<u64>,
+    sea_parameters: [f64; 4],
+    play: Option<Box<Play>>,
 }
 
 impl Sitl {
@@ -135,7 +151,12 @@ impl Sitl {
             weather: LinkWeather::default(),
             outbox: VecDeque::new(),
             faults_of: None,
+            sea_parameters: [0.0; 4],
+            play: None,
         };
+        sitl.autopilot.put_gps_rate(settings.sensors.noise.map_or(5.0, |noise| noise.gps_rate_hz));
+        sitl.autopilot.put_sea(&settings.sea);
+        sitl.sea_parameters = sitl.autopilot.sea_parameters();
         sitl.autopilot.sense(sitl.vessel.estimate(), sitl.vessel.truth().hull, Duration::ZERO);
         Ok(sitl)
     }
@@ -174,11 +195,137 @@ impl Sitl {
     /// has arrived, steers, moves the boat, and sends what is due.
     pub fn advance(&mut self, until: Duration) {
         while self.now + LOOP <= until {
+            if !self.autopilot.clock.may_run() {
+                self.autopilot.serve();
+            }
+            if !self.autopilot.clock.may_run() {
+                break;
+            }
             self.run_loop();
         }
     }
 
+    /// While time is held: answers what clients have asked and takes their orders; no time passes.
+    pub fn serve(&mut self) {
+        self.autopilot.serve();
+    }
+
+    /// Stops time (true) or lets it pass again (false). While it stands, [`Sitl::advance`] only answers what
+    /// clients ask.
+    pub fn set_paused(&mut self, paused: bool) {
+        let order = if paused { ClockOrder::Pause } else { ClockOrder::Resume };
+        self.autopilot.clock.obey(LinkId(0), order, self.now);
+    }
+
+    /// Runs one loop of 20 ms with time stopped before and after.
+    pub fn step(&mut self) {
+        self.set_paused(true);
+        self.run_loop();
+    }
+
+    /// Whether time stands because somebody has paused it.
+    pub fn is_paused(&self) -> bool {
+        self.autopilot.clock.is_paused()
+    }
+
+    /// Whether time cannot pass now: it is paused, or a client in lockstep has not answered.
+    pub fn is_held(&self) -> bool {
+        !self.autopilot.clock.may_run()
+    }
+
+    /// The clients in lockstep that time waits for.
+    pub fn waits_for(&self) -> Vec<LinkId> {
+        self.autopilot.clock.waits_for()
+    }
+
+    /// No longer waits for a client in lockstep.
+    pub fn leave_lockstep(&mut self, link: LinkId) {
+        self.autopilot.clock.forget(link);
+    }
+
+    /// From now on time passes by `beat` at the most until the client on `link` has answered: it gets
+    /// SYSTEM_TIME after each beat, and sends the same message back when it is done with all up to then.
+    pub fn join_lockstep(&mut self, link: LinkId, beat: Duration) {
+        self.autopilot.clock.obey(link, ClockOrder::Join(beat), self.now);
+    }
+
+    /// The multiple of real time that the parameter SIM_SPEEDUP asks for; 0 is as fast as it goes. It is up to
+    /// the owner to keep that pace.
+    pub fn speedup(&self) -> f64 {
+        self.autopilot.speedup()
+    }
+
+    /// Shows ground stations the pace.
+    pub fn set_speedup(&mut self, speedup: f64) {
+        self.autopilot.put_speedup(speedup);
+    }
+
+    /// Puts a scenario on; its clock starts with the next loop, or with arming. An earlier one is over.
+    ///
+    /// # Errors
+    /// [`FaultError`] if the boat lacks the part that is to fail, or a parameter is not known.
+    pub fn play(&mut self, scenario: Scenario) -> Result<(), PlayError> {
+        for fault in scenario.faults() {
+            self.check_fault(fault)?;
+        }
+        if let Some(name) = scenario.parameters().find(|name| !self.autopilot.has_parameter(name)) {
+            return Err(PlayError::NoSuchParameter(name.to_owned()));
+        }
+        self.play = Some(Box::new(Play::new(scenario)));
+        Ok(())
+    }
+
+    /// What has become of the scenario's expectations; none without a scenario.
+    pub fn verdicts(&self) -> &[Verdict] {
+        self.play.as_ref().map_or(&[], |play| play.verdicts())
+    }
+
+    /// Whether the scenario is over; false without one.
+    pub fn is_scenario_over(&self) -> bool {
+        self.play.as_ref().is_some_and(|play| play.is_over())
+    }
+
+    /// Ends the scenario now: what is open is decided by how things stand.
+    pub fn end_scenario(&mut self) {
+        if let Some(mut play) = self.play.take() {
+            play.end(self);
+            self.play = Some(play);
+        }
+    }
+
+    /// How things stand.
+    pub fn observe(&self) -> Observation {
+        self.autopilot.observe()
+    }
+
+    /// The sea as it was asked for.
+    pub fn sea(&self) -> &Sea {
+        self.vessel.sea()
+    }
+
+    /// Changes the sea from now on.
+    pub fn set_sea(&mut self, sea: Sea) {
+        self.vessel.set_sea(&sea);
+        self.autopilot.put_sea(&sea);
+        self.sea_parameters = self.autopilot.sea_parameters();
+    }
+
+    /// Names and values of the parameters that were changed by users, faults and the simulator's own left out:
+    /// what a file of parameters is to keep.
+    pub fn changed_parameters(&self) -> Vec<(String, f32)> {
+        self.autopilot.changed_parameters()
+    }
+
+    /// A number that changes whenever a parameter does.
+    pub fn parameter_revision(&self) -> u64 {
+        self.autopilot.parameter_revision()
+    }
+
     fn run_loop(&mut self) {
+        if let Some(mut play) = self.play.take() {
+            play.step(self);
+            self.play = Some(play);
+        }
         self.turn_faults();
         for (link, bytes) in self.lines.arriving(self.now) {
             self.autopilot.on_bytes(link, &bytes, true);
@@ -209,8 +356,27 @@ impl Sitl {
         if self.faults_of != Some(revision) {
             self.faults_of = Some(revision);
             self.vessel.set_faults(self.autopilot.vessel_faults());
+            self.vessel.set_gps_rate(self.autopilot.gps_rate_hz());
             self.weather = self.autopilot.link_weather();
+            self.turn_sea();
         }
+    }
+
+    /// Tide and wind follow their parameters.
+    fn turn_sea(&mut self) {
+        let wanted = self.autopilot.sea_parameters();
+        if wanted == self.sea_parameters {
+            return;
+        }
+        self.sea_parameters = wanted;
+        let [tide_mps, tide_from_deg, wind_mps, wind_from_deg] = wanted;
+        let mut sea = *self.vessel.sea();
+        let current = sea.current.unwrap_or(Current { speed_mps: 0.0, toward_deg: 0.0, variability: 0.0 });
+        let wind = sea.wind.unwrap_or(Wind { speed_mps: 0.0, from_deg: 0.0, gustiness: 0.0 });
+        let toward_deg = (tide_from_deg + 180.0).rem_euclid(360.0);
+        sea.current = (tide_mps > 0.0).then_some(Current { speed_mps: tide_mps, toward_deg, ..current });
+        sea.wind = (wind_mps > 0.0).then_some(Wind { speed_mps: wind_mps, from_deg: wind_from_deg, ..wind });
+        self.vessel.set_sea(&sea);
     }
 
     /// Takes what is to be sent on bad lines from the autopilot, and what arrives over them.
@@ -289,6 +455,12 @@ impl Sitl {
                 Err(FaultError::NoSuchPart { fault: fault.to_string(), boat, part })
             }
         }
+    }
+
+    /// Arms the boat and starts its mission, or has it keep its place if there is none. False while it is not
+    /// ready for that; try again later.
+    pub fn start(&mut self) -> bool {
+        self.autopilot.start()
     }
 
     /// Stores a mission as if it had been uploaded; `items` are without home.

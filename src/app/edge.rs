@@ -13,6 +13,9 @@ const WRITE_LIMIT: usize = 1400;
 /// Events handled in one turn at the most: time has to pass for the party too.
 const EVENTS_PER_TURN: usize = 256;
 
+/// A party without a pace waits while so much waits to be read by a peer: a quarter of what fits.
+const CROWDED_BYTES: usize = 16 * 1024;
+
 /// Something that talks with peers and never looks at a clock.
 ///
 /// `now` is the time since the edge was started.
@@ -27,6 +30,10 @@ pub trait Party {
     fn on_tick(&mut self, now: Duration);
     /// The next frame to send.
     fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)>;
+    /// Whether the party wants to be ticked without pause.
+    fn is_eager(&self) -> bool {
+        false
+    }
 }
 
 impl Party for Bridge {
@@ -58,6 +65,9 @@ pub struct Edge<P> {
     hub: Hub,
     start: Instant,
     ticker: Interval,
+    /// Ticks are due this often, however many events there are.
+    tick: Duration,
+    ticked: Instant,
     write: Vec<u8>,
 }
 
@@ -74,7 +84,8 @@ impl<P: Party> Edge<P> {
     pub fn new(party: P, hub: Hub, tick: Duration) -> Self {
         let mut ticker = interval(tick);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        Self { party, hub, start: Instant::now(), ticker, write: Vec::new() }
+        let start = Instant::now();
+        Self { party, hub, start, ticker, tick, ticked: start, write: Vec::new() }
     }
 
     /// Time since the start.
@@ -85,6 +96,17 @@ impl<P: Party> Edge<P> {
     /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
+        if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
+            // The sockets' tasks need their turn as well.
+            tokio::task::yield_now().await;
+            for _ in 0..EVENTS_PER_TURN {
+                let Some(event) = self.hub.try_next_event() else { break };
+                seen = self.handle(event).or(seen);
+            }
+            self.tick_party();
+            self.flush();
+            return seen;
+        }
         tokio::select! {
             biased;
             event = self.hub.next_event() => {
@@ -93,11 +115,26 @@ impl<P: Party> Edge<P> {
                     let Some(event) = self.hub.try_next_event() else { break };
                     seen = self.handle(event).or(seen);
                 }
+                // A flood of events must not keep the party from its work.
+                if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
+                    self.tick_party();
+                }
             }
-            _ = self.ticker.tick() => self.party.on_tick(self.start.elapsed()),
+            _ = self.ticker.tick() => if !self.is_crowded() { self.tick_party() },
         }
         self.flush();
         seen
+    }
+
+    fn tick_party(&mut self) {
+        self.ticked = Instant::now();
+        self.party.on_tick(self.start.elapsed());
+    }
+
+    /// Whether a party without a pace must wait for a peer to read. One that reads nothing at all is dropped
+    /// by its link in the end.
+    fn is_crowded(&self) -> bool {
+        self.party.is_eager() && self.hub.most_waiting_bytes() >= CROWDED_BYTES
     }
 
     /// Sends what the party has to say.

@@ -1,5 +1,6 @@
 //! The subcommands: wiring only, one file each.
 
+mod ardupilot_json;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -12,10 +13,12 @@ mod ground_station;
 mod log_report;
 mod mission;
 mod paced_sitl;
+mod parameter_file;
 mod recorder;
 mod replay;
 mod report;
 mod result;
+mod scenario;
 mod simulate;
 mod sitl;
 mod trial;

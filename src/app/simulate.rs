@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use helmlink_sitl::faults::TimedFault;
 
 use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission;
 use super::result::{self, RunResult, Subject};
+use super::scenario;
 use super::trial::{self, TrialArgs};
 use super::world::{World, WorldArgs};
 use crate::control::Controller;
@@ -30,9 +32,13 @@ pub struct SimulateArgs {
     /// What differs from the model, such as mass*1.5, damping*0.5, actuators*0.5 or delay=0.5
     #[arg(long, default_value = "nominal", value_name = "WHAT")]
     pub perturbation: Perturbation,
-    /// A named scenario (i, ii, iii, iv, iv-exact-gps) in place of sea, sensors and delay
-    #[arg(long, value_name = "NAME")]
-    pub scenario: Option<Scenario>,
+    /// A named scenario (i, ii, iii, iv, iv-exact-gps) in place of sea, sensors and delay; or a scenario file
+    /// as for `helmlink sitl`, whose expectations then decide the exit code
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scenario: Option<String>,
+    /// Something that fails, such as gps-loss@60..90 (repeatable; times in simulated seconds from the start)
+    #[arg(long, value_name = "FAULT[@FROM[..UNTIL]]")]
+    pub fault: Vec<TimedFault>,
     /// Folder for the report (track picture, result, log)
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
@@ -51,12 +57,21 @@ pub struct SimulateArgs {
 }
 
 pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
-    let mut world = World::from_args(&args.world)?;
+    let named: Option<Scenario> = args.scenario.as_deref().and_then(|name| name.parse().ok());
+    let file = match (&args.scenario, named) {
+        (Some(name), None) => Some(scenario::load(name)?),
+        _ => None,
+    };
+    let mut world_args = args.world.clone();
+    if let Some(file) = &file {
+        file.apply(&mut world_args);
+    }
+    let mut world = World::from_args(&world_args)?;
     let drivable = mission::load(&args.mission)?;
     let limit = Duration::try_from_secs_f64(args.limit)
         .map_err(|_| Failure::usage("--limit must be a positive number of seconds"))?;
     let mut trial = args.trial.trial(args.controller, &world, &drivable)?;
-    if let Some(scenario) = args.scenario {
+    if let Some(scenario) = named {
         trial::set_scenario(&mut trial, scenario);
         world.sea = trial.sea;
         world.sea_text = format!("scenario {}", scenario.as_str());
@@ -64,6 +79,12 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     }
     args.perturbation.apply(&mut trial);
     let mut run = trial.closed_loop().map_err(Failure::usage)?;
+    for fault in &args.fault {
+        run.sitl_mut().schedule(*fault).map_err(Failure::usage)?;
+    }
+    if let Some(file) = &file {
+        run.sitl_mut().play(file.scenario.clone()).map_err(Failure::usage)?;
+    }
     if args.report.is_some() {
         run.keep_journal();
     }
@@ -72,11 +93,25 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let wall_s = started.elapsed().as_secs_f64();
     let subject = Subject::of(drivable.name, &world, args.controller.as_str(), args.trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
+    run.sitl_mut().end_scenario();
+    let verdicts = run.sitl().verdicts().to_vec();
+    let judged = scenario::check(run.sitl());
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {
         result::write_report(folder, &result, &world, recorder, &log)?;
         tracing::info!("report in {}", folder.display());
     }
-    console::say(&if args.common.json { result.json()? } else { result.text() });
-    result.check()
+    if args.common.json {
+        let mut value: serde_json::Value = serde_json::from_str(&result.json()?).map_err(Failure::failed)?;
+        if file.is_some() {
+            value["expectations"] = scenario::json(&verdicts);
+        }
+        console::say(&serde_json::to_string_pretty(&value).map_err(Failure::failed)?);
+    } else {
+        console::say(&result.text());
+        if file.is_some() {
+            console::say(&scenario::text(&verdicts));
+        }
+    }
+    if file.is_some() { judged } else { result.check() }
 }

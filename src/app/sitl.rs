@@ -7,8 +7,10 @@ use clap::Args;
 use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 use helmlink_mission::plan::Mission;
 use helmlink_mission::route::Route;
+use helmlink_sitl::faults::TimedFault;
 use helmlink_sitl::{Sitl, SitlSettings, StartUp};
 
+use super::ardupilot_json;
 use super::bridge::interrupted;
 use super::cli::Common;
 use super::console;
@@ -16,6 +18,8 @@ use super::edge::{Edge, Seen};
 use super::failure::Failure;
 use super::mission;
 use super::paced_sitl::{self, PacedSitl};
+use super::parameter_file::{self, ParameterFile};
+use super::scenario::{self, ScenarioFile};
 use super::world::{World, WorldArgs};
 use crate::link::{Hub, LinkSettings, LinkUrl};
 
@@ -26,14 +30,45 @@ Examples:
   helmlink sitl
   helmlink sitl --listen tcpin:127.0.0.1:5760 --listen udpout:127.0.0.1:14550 --current 0.4@90 --speedup 5
 
+  helmlink sitl --scenario gps-loss --speedup max
+  helmlink sitl --boat skiff --fault rudder-stuck@60..90 --fault link-loss=20 --params boat.parm
+  helmlink sitl --boat skiff --ardupilot-json 127.0.0.1:9002
+
 Then, for example: mavproxy.py --master tcp:127.0.0.1:5760")]
 pub struct SitlArgs {
     /// Where ground stations find the boat (repeatable)
     #[arg(long, value_name = "URL", default_value = "tcpin:127.0.0.1:5760")]
     pub listen: Vec<LinkUrl>,
-    /// How many times faster than real time
-    #[arg(long, default_value_t = 1.0, value_name = "N")]
+    /// How many times faster than real time, or `max` for as fast as the machine goes
+    #[arg(long, default_value = "1", value_name = "N|max", value_parser = parse_speedup)]
     pub speedup: f64,
+    /// A scenario: one that comes with helmlink (gps-loss, lost-rudder, rising-sea, tired-battery) or a file.
+    /// Ends with exit code 1 when an expectation does not come true
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scenario: Option<String>,
+    /// Something that fails, such as gps-loss@60..90 or link-loss=30 (repeatable; times in simulated seconds
+    /// from the start)
+    #[arg(long, value_name = "FAULT[@FROM[..UNTIL]]")]
+    pub fault: Vec<TimedFault>,
+    /// Parameters are read from this file at the start and written to it when they change
+    #[arg(long, value_name = "FILE")]
+    pub params: Option<PathBuf>,
+    /// A parameter to begin with (repeatable)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter_file::parse_assignment)]
+    pub param: Vec<(String, f32)>,
+    /// Arm and start the mission, or keep the place, as soon as possible: for runs without a ground station
+    #[arg(long)]
+    pub arm: bool,
+    /// End after so much simulated time, seconds
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    /// Start with time stopped; a client lets it pass (see docs/simulator.md)
+    #[arg(long)]
+    pub paused: bool,
+    /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS)
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:9002",
+          conflicts_with_all = ["scenario", "fault", "params", "param", "mission", "duration", "paused", "arm"])]
+    pub ardupilot_json: Option<std::net::SocketAddr>,
     /// A mission that the boat has on board from the start
     #[arg(long, value_name = "FILE")]
     pub mission: Option<PathBuf>,
@@ -58,17 +93,49 @@ const SPEEDUPS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 const COMPLAINT_INTERVAL: Duration = Duration::from_secs(10);
 
 pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
-    let world = World::from_args(&args.world)?;
-    check_speedup(args.speedup)?;
-    let mission = args.mission.as_deref().map(mission::load).transpose()?.map(|drivable| drivable.mission);
-    let home = home(&world, mission.as_ref());
-    let mut sitl = build(&world, home, None, args.realistic_startup)?;
-    if let Some(mission) = &mission {
-        load(&mut sitl, mission)?;
+    let scenario = args.scenario.as_deref().map(scenario::load).transpose()?;
+    let mut world_args = args.world.clone();
+    if let Some(scenario) = &scenario {
+        scenario.apply(&mut world_args);
+    }
+    let world = World::from_args(&world_args)?;
+    if args.speedup != paced_sitl::MAX {
+        check_speedup(args.speedup)?;
     }
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    if let Some(address) = args.ardupilot_json {
+        let home = home(&world, None);
+        return runtime.block_on(ardupilot_json::serve(address, &world, home, args.common.json));
+    }
+    let of_scenario = scenario.as_ref().and_then(ScenarioFile::mission);
+    let path = args.mission.clone().or(of_scenario);
+    let drivable = path.as_deref().map(mission::load).transpose()?;
+    let mission = drivable.as_ref().map(|drivable| &drivable.mission);
+    let home = home(&world, mission);
+    let toward = drivable.as_ref().and_then(|drivable| first_target(home, &drivable.route));
+    let mut parameters = args.params.as_deref().map(parameter_file::read).transpose()?.unwrap_or_default();
+    parameters.extend(args.param.iter().cloned());
+    let mut sitl = build_with(&world, home, toward, args.realistic_startup, parameters)?;
+    if let Some(mission) = mission {
+        load(&mut sitl, mission)?;
+    }
+    for fault in &args.fault {
+        sitl.schedule(*fault).map_err(Failure::usage)?;
+    }
+    if let Some(file) = scenario {
+        sitl.play(file.scenario).map_err(Failure::usage)?;
+    }
+    sitl.set_paused(args.paused);
     runtime.block_on(serve(args, sitl))
+}
+
+/// A number, or `max`.
+fn parse_speedup(text: &str) -> Result<f64, String> {
+    match text {
+        "max" => Ok(paced_sitl::MAX),
+        number => number.parse().map_err(|_| "give a number, or max".to_owned()),
+    }
 }
 
 pub(super) fn check_speedup(speedup: f64) -> Result<(), Failure> {
@@ -87,6 +154,17 @@ pub(super) fn build(
     toward: Option<Geodetic>,
     realistic_startup: bool,
 ) -> Result<Sitl, Failure> {
+    build_with(world, home, toward, realistic_startup, Vec::new())
+}
+
+/// The same with parameters of the autopilot.
+fn build_with(
+    world: &World,
+    home: Geodetic,
+    toward: Option<Geodetic>,
+    realistic_startup: bool,
+    parameters: Vec<(String, f32)>,
+) -> Result<Sitl, Failure> {
     let mut settings = SitlSettings {
         sea: world.sea,
         sensors: world.sensors,
@@ -98,6 +176,7 @@ pub(super) fn build(
     if realistic_startup {
         settings.autopilot.start_up = StartUp::realistic();
     }
+    settings.autopilot.parameters = parameters;
     Sitl::new(settings).map_err(Failure::usage)
 }
 
@@ -140,10 +219,22 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
             console::say(&serde_json::json!({ "listen": url.to_string(), "address": address }).to_string());
         }
     }
-    let mut edge = Edge::new(PacedSitl::new(sitl, args.speedup), hub, paced_sitl::tick(args.speedup));
+    let mut boat = PacedSitl::new(sitl, args.speedup);
+    let ends = args.duration.is_some() || args.scenario.is_some();
+    if ends {
+        boat.keep_digest();
+    }
+    if let Some(duration_s) = args.duration {
+        let end = Duration::try_from_secs_f64(duration_s)
+            .map_err(|_| Failure::usage(format!("--duration {duration_s}: give seconds, more than 0")))?;
+        boat.end_at(end);
+    }
+    let mut parameters = args.params.clone().map(|path| ParameterFile::new(path, &boat.sitl));
+    let mut edge = Edge::new(boat, hub, paced_sitl::tick(args.speedup));
     let mut interrupt = std::pin::pin!(interrupted());
     let mut complained = (Duration::ZERO, Duration::ZERO);
-    loop {
+    let mut autostart = args.arm || args.scenario.is_some();
+    while !edge.party.is_over() {
         tokio::select! {
             biased;
             () = &mut interrupt => break,
@@ -153,16 +244,48 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
                 None => {}
             },
         }
+        autostart = autostart && !edge.party.sitl.start();
+        if let Some(file) = &mut parameters {
+            file.follow(edge.now(), &edge.party.sitl)?;
+        }
         let (now, lost) = (edge.now(), edge.party.lost());
         if lost > complained.1 && now > complained.0 + COMPLAINT_INTERVAL {
             tracing::warn!(
                 "this machine is too slow for --speedup {}: {:.1} s left out so far",
-                args.speedup,
+                edge.party.speedup(),
                 lost.as_secs_f64()
             );
             complained = (now, lost);
         }
     }
-    edge.close().await;
-    Ok(())
+    let mut boat = edge.close().await;
+    if let Some(file) = &mut parameters {
+        file.save(&boat.sitl)?;
+    }
+    boat.sitl.end_scenario();
+    if ends {
+        report(args, &boat);
+    }
+    scenario::check(&boat.sitl)
+}
+
+/// Says how a run with an end went.
+fn report(args: &SitlArgs, boat: &PacedSitl) {
+    let (digest, bytes) = boat.digest().unwrap_or_default();
+    let verdicts = boat.sitl.verdicts();
+    if args.common.json {
+        let result = serde_json::json!({
+            "simulated_s": boat.sitl.now().as_secs_f64(),
+            "output_bytes": bytes,
+            "output_sha256": digest,
+            "expectations": scenario::json(verdicts),
+            "passed": verdicts.iter().all(|verdict| verdict.passed == Some(true)),
+        });
+        console::say(&result.to_string());
+        return;
+    }
+    console::say(&format!("  {:.2} s simulated, output SHA-256 {digest}", boat.sitl.now().as_secs_f64()));
+    if !verdicts.is_empty() {
+        console::say(&scenario::text(verdicts));
+    }
 }

@@ -10,7 +10,7 @@ use super::failure::Failure;
 /// The boat and the sea of a simulation.
 #[derive(Debug, Clone, Args)]
 pub struct WorldArgs {
-    /// The boat: otter, monohull38, skiff or motorboat
+    /// The boat: otter, monohull38, skiff or motorboat, or a hull file (.toml)
     #[arg(long, default_value = "otter")]
     pub boat: String,
     /// The sea, scaled to the boat: calm, slight, moderate or rough
@@ -60,7 +60,7 @@ impl World {
     /// # Errors
     /// The first option that makes no sense, with what would.
     pub(super) fn from_args(args: &WorldArgs) -> Result<Self, Failure> {
-        let hull = Hull::builtin(&args.boat).map_err(Failure::usage)?;
+        let hull = hull(&args.boat)?;
         let state: SeaState = args.sea.parse().map_err(Failure::usage)?;
         let mut sea = Sea::preset(state, &hull);
         let mut sea_text = args.sea.clone();
@@ -77,6 +77,18 @@ impl World {
         let home = args.home.as_deref().map(parse_home).transpose()?;
         Ok(Self { hull, sea, sensors, seed: args.seed, home, sea_text, sensors_text: args.sensors.clone() })
     }
+}
+
+/// A built-in hull by its name, or one from a file.
+fn hull(boat: &str) -> Result<Hull, Failure> {
+    if Hull::builtin_text(boat).is_some() || !boat.contains(['.', '/', '\\']) {
+        return Hull::builtin(boat).map_err(Failure::usage);
+    }
+    let text = std::fs::read_to_string(boat).map_err(|error| {
+        let names = Hull::names().collect::<Vec<_>>().join(", ");
+        Failure::usage(format!("--boat {boat}: {error}; give a hull file, or one of {names}"))
+    })?;
+    Hull::from_toml(&text).map_err(|error| Failure::usage(format!("--boat {boat}: {error}")))
 }
 
 /// `LAT,LON` or `LAT,LON,HEADING` in degrees.

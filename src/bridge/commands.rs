@@ -4,7 +4,7 @@ use helmlink_wire::dialect::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DA
 use helmlink_wire::{Identity, Message, enums};
 
 /// What a command asks of the bridge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Order {
     /// Drive the mission: MAV_CMD_MISSION_START, or MAV_CMD_DO_PAUSE_CONTINUE with 1.
     Engage,
@@ -12,6 +12,16 @@ pub(super) enum Order {
     Pause,
     /// Go on with this mission item: MAV_CMD_DO_SET_MISSION_CURRENT.
     SetCurrent(u16),
+    /// From now on drive at this speed over ground, m/s: MAV_CMD_DO_CHANGE_SPEED.
+    ChangeSpeed(f64),
+    /// Stop the boat and let go: MAV_CMD_USER_1.
+    LetGo,
+    /// Parameters back to their factory values: MAV_CMD_PREFLIGHT_STORAGE with 2.
+    ResetParameters,
+    /// Keep the parameters: MAV_CMD_PREFLIGHT_STORAGE with 1.
+    SaveParameters,
+    /// A message that the bridge does not have: MAV_CMD_REQUEST_MESSAGE.
+    NoSuchMessage,
     /// Nothing that the bridge does.
     Unsupported,
     /// A known command with a parameter that makes no sense.
@@ -23,30 +33,33 @@ pub(super) enum Order {
 pub(super) struct Command {
     pub(super) number: u16,
     param1: f32,
+    param2: f32,
 }
 
 impl Command {
     /// The command in a message, if there is one and it is addressed to `own`.
     pub(super) fn from_message(message: &Message, own: Identity) -> Option<Self> {
-        let (system, component, number, param1) = match message {
+        let (system, component, number, param1, param2) = match message {
             Message::COMMAND_LONG(COMMAND_LONG_DATA {
                 target_system,
                 target_component,
                 command,
                 param1,
+                param2,
                 ..
-            }) => (*target_system, *target_component, *command, *param1),
+            }) => (*target_system, *target_component, *command, *param1, *param2),
             Message::COMMAND_INT(COMMAND_INT_DATA {
                 target_system,
                 target_component,
                 command,
                 param1,
+                param2,
                 ..
-            }) => (*target_system, *target_component, *command, *param1),
+            }) => (*target_system, *target_component, *command, *param1, *param2),
             _ => return None,
         };
         // Commands to "all components" are the flight controller's to answer.
-        (system == own.system && component == own.component).then_some(Self { number, param1 })
+        (system == own.system && component == own.component).then_some(Self { number, param1, param2 })
     }
 
     /// What it asks for.
@@ -60,6 +73,13 @@ impl Command {
                 Order::SetCurrent(self.param1 as u16)
             }
             enums::MAV_CMD_DO_SET_MISSION_CURRENT => Order::Denied,
+            enums::MAV_CMD_DO_CHANGE_SPEED if self.param2 > 0.0 => Order::ChangeSpeed(f64::from(self.param2)),
+            enums::MAV_CMD_DO_CHANGE_SPEED => Order::Denied,
+            enums::MAV_CMD_USER_1 => Order::LetGo,
+            enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 2.0 => Order::ResetParameters,
+            enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 1.0 => Order::SaveParameters,
+            enums::MAV_CMD_PREFLIGHT_STORAGE => Order::Denied,
+            enums::MAV_CMD_REQUEST_MESSAGE => Order::NoSuchMessage,
             _ => Order::Unsupported,
         }
     }
@@ -89,6 +109,7 @@ mod tests {
             target_component,
             command,
             param1,
+            param2: 1.5,
             ..COMMAND_LONG_DATA::DEFAULT
         };
         Command::from_message(&Message::COMMAND_LONG(data), OWN).unwrap().order()
@@ -102,6 +123,9 @@ mod tests {
         assert_eq!(order(enums::MAV_CMD_DO_PAUSE_CONTINUE, f32::NAN), Order::Denied);
         assert_eq!(order(enums::MAV_CMD_DO_SET_MISSION_CURRENT, 4.0), Order::SetCurrent(4));
         assert_eq!(order(enums::MAV_CMD_DO_SET_MISSION_CURRENT, f32::NAN), Order::Denied);
+        assert_eq!(order(enums::MAV_CMD_DO_CHANGE_SPEED, 1.0), Order::ChangeSpeed(1.5));
+        assert_eq!(order(enums::MAV_CMD_USER_1, 0.0), Order::LetGo);
+        assert_eq!(order(enums::MAV_CMD_REQUEST_MESSAGE, 148.0), Order::NoSuchMessage);
         assert_eq!(order(60_000, 1.0), Order::Unsupported);
     }
 

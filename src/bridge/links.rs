@@ -7,6 +7,7 @@ use std::time::Duration;
 use helmlink_wire::{Encoder, Frame, Framer, Identity, LinkId, LinkStatistics, Message};
 use sha2::{Digest, Sha256};
 
+use super::routing::Router;
 use crate::record::Journal;
 use crate::record::journal::Purpose;
 
@@ -30,6 +31,9 @@ pub(super) struct Links {
     commands: Sha256,
     command_count: u64,
     journal: Option<Journal>,
+    /// Frames of the bridge's own, for whoever compares them.
+    own: Option<VecDeque<(LinkId, Vec<u8>)>>,
+    router: Router,
     listen_only: bool,
 }
 
@@ -41,6 +45,8 @@ impl Links {
             commands: Sha256::new(),
             command_count: 0,
             journal: None,
+            own: None,
+            router: Router::default(),
             listen_only,
         }
     }
@@ -60,6 +66,7 @@ impl Links {
     }
 
     pub(super) fn remove(&mut self, id: LinkId) {
+        self.router.forget(id);
         self.links.retain(|link| link.id != id);
         self.outbox.retain(|(to, _)| *to != id);
     }
@@ -98,11 +105,23 @@ impl Links {
         }
     }
 
-    /// The next message of this peer, with who sent it.
-    pub(super) fn next_message(&mut self, id: LinkId) -> Option<(Identity, Message)> {
+    /// The next message of this peer that the bridge has to look at, with who sent it. What is for others is passed on;
+    /// `own` are the addresses that the bridge itself sends with.
+    pub(super) fn next_message(
+        &mut self,
+        now: Duration,
+        id: LinkId,
+        own: &[Identity],
+    ) -> Option<(Identity, Message)> {
+        let all: Vec<LinkId> = self.ids().collect();
         let link = self.links.iter_mut().find(|link| link.id == id)?;
-        while let Some(frame) = link.framer.next_frame() {
-            if let Ok(message) = frame.decode() {
+        while let Some(frame) = link.framer.next_any() {
+            let message = if frame.is_verified() { frame.decode().ok() } else { None };
+            let way = self.router.way(now, id, &frame, message.as_ref(), own, &all);
+            if !self.listen_only {
+                self.outbox.extend(way.onward.into_iter().map(|to| (to, frame.bytes().to_vec())));
+            }
+            if let Some(message) = message.filter(|_| !way.ignore) {
                 return Some((frame.identity(), message));
             }
         }
@@ -149,7 +168,18 @@ impl Links {
         {
             journal.sent(to, &encoded, purpose);
         }
+        if let Some(own) = &mut self.own {
+            own.push_back((to, frame.clone()));
+        }
         self.outbox.push_back((to, frame));
+    }
+
+    pub(super) fn keep_own(&mut self) {
+        self.own = Some(VecDeque::new());
+    }
+
+    pub(super) fn poll_own(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.own.as_mut()?.pop_front()
     }
 
     pub(super) fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {

@@ -15,8 +15,11 @@
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
 //! | `observing` | what the failsafes see |
 //! | `fence` | gets the fence |
+//! | `routing` | passes frames on between links |
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
+//! | [`parameters`] | the bridge's own parameters |
+//! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
 mod commands;
@@ -27,10 +30,13 @@ mod links;
 mod mission;
 mod observing;
 pub mod pace;
+pub mod parameters;
 mod reporting;
+mod routing;
 pub mod settings;
 pub mod status;
 mod steering;
+mod timesync;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -47,8 +53,11 @@ use self::follow::CurrentItem;
 use self::links::Links;
 use self::mission::{MissionKeeper, News};
 use self::observing::Observer;
+use self::parameters::Tunables;
+use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
+use self::timesync::TimeSync;
 use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
@@ -66,6 +75,8 @@ const HOUSEKEEPING: Duration = Duration::from_millis(10);
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 /// A flight controller that shows up on another link is followed there when the old link has been silent this long.
 const MOVE_AFTER_S: f64 = 3.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
 const EVENT_LIMIT: usize = 1000;
 
@@ -98,15 +109,24 @@ pub struct Bridge {
     supervisor: Supervisor,
     watch: Watch,
     observer: Observer,
+    timesync: TimeSync,
+    parameter_service: ParameterService,
+    /// The parameters as the bridge was started with, saved ones left out.
+    factory: Tunables,
     steering: Steering,
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
+    /// The settings before parameters changed them.
+    given: BridgeSettings,
 }
 
 impl Bridge {
     /// A bridge that has not heard anything yet.
-    pub fn new(settings: BridgeSettings) -> Self {
+    pub fn new(mut settings: BridgeSettings) -> Self {
+        let given = settings.clone();
+        let factory = settings.tunables();
+        let complaints = settings.take_saved_parameters();
         let policy = Policy {
             drive_mode: settings.output.mode(),
             engage_mode: settings.engage_mode,
@@ -136,12 +156,19 @@ impl Bridge {
             supervisor: Supervisor::new(policy),
             watch: Watch::new(settings.failsafes.clone()),
             observer: Observer::default(),
+            timesync: TimeSync::default(),
+            parameter_service: ParameterService::default(),
+            factory,
             steering: Steering::default(),
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
+            given,
             settings,
         };
+        for complaint in complaints {
+            bridge.event(enums::MAV_SEVERITY_WARNING, format!("saved parameter left out: {complaint}"));
+        }
         if bridge.settings.engage {
             bridge.request(Duration::ZERO, Request::Engage { patient: true }).ok();
         }
@@ -152,7 +179,17 @@ impl Bridge {
     /// [`Self::take_journal`]. The driver's time zero is `unix_start_us` microseconds after the Unix epoch.
     /// To be called before anything else happens: see [`crate::record`].
     pub fn keep_journal(&mut self, unix_start_us: u64) {
-        self.links.keep_journal(Journal::new(&Header::new(unix_start_us, &self.settings)));
+        self.links.keep_journal(Journal::new(&Header::new(unix_start_us, &self.given)));
+    }
+
+    /// Keeps the frames of the bridge's own, not those it passes on, for [`Self::poll_own`] as well.
+    pub fn keep_own(&mut self) {
+        self.links.keep_own();
+    }
+
+    /// The next frame of the bridge's own that was put out for sending, where [`Self::keep_own`] was called.
+    pub fn poll_own(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.links.poll_own()
     }
 
     /// Telemetry log records since the last call, whole ones only.
@@ -257,6 +294,7 @@ impl Bridge {
             diagnostics: self.steering.diagnostics,
             steps: self.steering.steps,
             pace: self.steering.pace,
+            round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
     }
 
@@ -301,8 +339,16 @@ impl Bridge {
         Identity { system: vehicle.system, component: settings::COMPONENT }
     }
 
+    /// Every address that the bridge sends with.
+    fn own_addresses(&self) -> [Identity; 2] {
+        let own = self.own_or_default();
+        [own, self.settings.steering_identity(own)]
+    }
+
     fn drain(&mut self, link: LinkId) {
-        while let Some((from, message)) = self.links.next_message(link) {
+        while let Some((from, message)) =
+            self.links.next_message(self.driver_now, link, &self.own_addresses())
+        {
             self.on_message(link, from, &message);
         }
     }
@@ -385,6 +431,11 @@ impl Bridge {
                 }
             }
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::TIMESYNC(data) => {
+                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
+                    self.links.send(vehicle.link, own, &answer);
+                }
+            }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => {
                 self.mission.on_message(self.now, vehicle.id, message);
@@ -425,6 +476,7 @@ impl Bridge {
         {
             self.jump_to_item(*seq);
         }
+        self.on_parameter_message(link, from, message);
         let Some(command) = Command::from_message(message, own) else { return };
         let result = match command.order() {
             Order::Engage => {
@@ -443,10 +495,31 @@ impl Bridge {
                     enums::MAV_RESULT_DENIED
                 }
             }
+            Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
+            Order::LetGo => self.obey(Request::LetGo),
+            Order::ResetParameters => {
+                self.reset_parameters();
+                enums::MAV_RESULT_ACCEPTED
+            }
+            // Parameters are kept as they are set.
+            Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
+            // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
+            Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
         self.links.send(link, own, &command.acknowledge(from, result));
+    }
+
+    fn change_speed(&mut self, speed_mps: f64) -> u8 {
+        let most_mps = self.settings.boat.limits.speed_max_mps;
+        let Some(run) = self.run.as_mut().filter(|_| (LEAST_SPEED_MPS..=most_mps).contains(&speed_mps))
+        else {
+            return enums::MAV_RESULT_DENIED;
+        };
+        run.set_speed(Some(speed_mps));
+        self.event(enums::MAV_SEVERITY_INFO, format!("speed {speed_mps:.2} m/s from now on, as asked"));
+        enums::MAV_RESULT_ACCEPTED
     }
 
     fn obey(&mut self, request: Request) -> u8 {
@@ -491,6 +564,7 @@ impl Bridge {
         }
         self.last_housekeeping = Some(self.now);
         self.report();
+        self.send_parameter_list();
         self.take_mission_news();
         if let Some(vehicle) = self.vehicle {
             self.ask(vehicle);
@@ -505,6 +579,9 @@ impl Bridge {
         let own = self.own(vehicle.id);
         let Vehicle { link, id } = vehicle;
         while let Some(message) = self.streams.poll(self.now, id) {
+            self.links.send(link, own, &message);
+        }
+        if let Some(message) = self.timesync.poll(self.driver_now, id) {
             self.links.send(link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
@@ -537,9 +614,7 @@ impl Bridge {
 
     /// Fits the output to the vehicle's parameters; says what stands against it.
     fn configure_output(&mut self) -> bool {
-        let failsafes =
-            observing::effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters);
-        self.watch.configure(failsafes);
+        self.watch.configure(self.failsafes_in_force());
         let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
         let obstacle = checks::obstacle(kind, system, &self.parameters);
@@ -565,11 +640,7 @@ impl Bridge {
         match self.mission.poll_news(self.now) {
             Some(News::Loaded(route)) => {
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
-                let speed_mps = self
-                    .settings
-                    .speed_mps
-                    .or_else(|| output::full_speed_mps(&self.parameters))
-                    .unwrap_or(self.settings.boat.limits.cruise_mps);
+                let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
                 self.event(enums::MAV_SEVERITY_INFO, text);
@@ -595,6 +666,14 @@ impl Bridge {
             }
             None => {}
         }
+    }
+
+    /// Speed over ground where the mission does not say, m/s.
+    fn usual_speed_mps(&self) -> f64 {
+        self.settings
+            .speed_mps
+            .or_else(|| output::full_speed_mps(&self.parameters))
+            .unwrap_or(self.settings.boat.limits.cruise_mps)
     }
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {

@@ -99,6 +99,11 @@ impl Bridge {
         }
     }
 
+    /// The failsafes that hold for this boat on this vehicle.
+    pub(super) fn failsafes_in_force(&self) -> FailsafeSettings {
+        effective_failsafes(&self.settings.failsafes, &self.settings.boat, &self.parameters)
+    }
+
     /// The control loop has not stepped in time.
     pub(super) fn loop_is_late(&self) -> bool {
         let limit_s = self.watch.settings().limit(Failsafe::LoopLate);
@@ -131,7 +136,7 @@ impl Bridge {
 ///
 /// The firmware's own check of the ground station's heartbeat (FS_GCS_ENABLE) counts override frames as one, so the
 /// bridge's frames put it out of action. The bridge then watches in its place, unless the user has set the action.
-pub(super) fn effective_failsafes(
+fn effective_failsafes(
     settings: &FailsafeSettings,
     boat: &Boat,
     parameters: &ParameterReader,

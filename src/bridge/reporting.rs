@@ -159,14 +159,15 @@ impl Bridge {
         }
     }
 
-    fn tell(&mut self, message: &Message) {
+    /// Says something on every link.
+    pub(super) fn tell(&mut self, message: &Message) {
         if let Some(vehicle) = self.vehicle {
             let own = self.own(vehicle.id);
-            self.links.send(vehicle.link, own, message);
+            self.links.broadcast(own, message);
         }
     }
 
-    fn own_or_default(&self) -> Identity {
+    pub(super) fn own_or_default(&self) -> Identity {
         let system = self.vehicle.map_or(DEFAULT_SYSTEM, |vehicle| vehicle.id.system);
         Identity { system, component: settings::COMPONENT }
     }

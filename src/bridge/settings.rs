@@ -4,6 +4,7 @@ use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
 use serde::{Deserialize, Serialize};
 
+use super::parameters::{ParameterError, Tunables};
 use crate::control::Controller;
 use crate::pilot::failsafe::{Failsafe, FailsafeSettings};
 use crate::pilot::supervisor::Limits;
@@ -56,6 +57,8 @@ pub struct BridgeSettings {
     pub limits: Limits,
     /// What can go wrong, and what is then done.
     pub failsafes: FailsafeSettings,
+    /// Parameters set over MAVLink in an earlier run, as [`super::Bridge::take_parameters`] gave them; empty for none.
+    pub parameters: String,
 }
 
 impl BridgeSettings {
@@ -76,7 +79,27 @@ impl BridgeSettings {
             ground_station_system: 255,
             limits: Limits::default(),
             failsafes: FailsafeSettings::default(),
+            parameters: String::new(),
         }
+    }
+
+    /// What parameters change.
+    pub(super) fn tunables(&self) -> Tunables {
+        Tunables {
+            boat: self.boat.clone(),
+            failsafes: self.failsafes.clone(),
+            speed_mps: self.speed_mps.unwrap_or_default(),
+        }
+    }
+
+    /// Lets the saved parameters take effect; what could not be taken over is told.
+    pub(super) fn take_saved_parameters(&mut self) -> Vec<ParameterError> {
+        let mut tunables = self.tunables();
+        let complaints = tunables.read(&std::mem::take(&mut self.parameters));
+        self.boat = tunables.boat;
+        self.failsafes = tunables.failsafes;
+        self.speed_mps = (tunables.speed_mps > 0.0).then_some(tunables.speed_mps);
+        complaints
     }
 
     /// The waiting times of the state machine.

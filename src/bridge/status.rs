@@ -36,6 +36,8 @@ pub struct Status {
     pub diagnostics: Diagnostics,
     /// Control steps made so far.
     pub steps: u64,
+    /// How long a question to the flight controller and its answer took the last time, seconds.
+    pub round_trip_s: Option<f64>,
     /// How evenly the steering frames go out.
     pub pace: super::pace::Pace,
 }

@@ -96,7 +96,7 @@ impl Bridge {
         }
     }
 
-    fn engage_run(&mut self) {
+    pub(super) fn engage_run(&mut self) {
         let Some(run) = &mut self.run else { return };
         if let Some((_, state)) = vessel_state(&self.telemetry, run.frame())
             && let Err(error) = run.engage(&state)

@@ -126,6 +126,13 @@ impl SlidingAxis {
         }
     }
 
+    /// Takes over the gains of another axis and keeps what this one has learned.
+    pub fn take_gains(&mut self, other: Self) {
+        self.adaptation = other.adaptation;
+        self.freedom = other.freedom;
+        self.settings = other.settings;
+    }
+
     /// Forgets everything learned and starts from the measured `actual` rate without a jump.
     pub fn engage(&mut self, actual: f64) {
         self.parameters = self.nominal;

@@ -117,6 +117,11 @@ impl Helm {
         }
     }
 
+    /// Takes over the control gains of `boat` and keeps what has been learned; false for a law that cannot.
+    pub fn retune(&mut self, boat: &Boat) -> bool {
+        self.law.retune(boat)
+    }
+
     /// Tells the delay from the measurement of a state to the effect of the command made from it, s: telemetry's
     /// age, transport and the autopilot's loop, without the actuator's own lag. The state is then predicted across
     /// it with the commands already on their way, and [`Reference`] speaks of the predicted place. Clamped to

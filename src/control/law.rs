@@ -1,6 +1,7 @@
 //! The seam between guidance and allocation: a law that turns a reference into forces.
 
 use super::allocation::Allocation;
+use super::boat::Boat;
 use super::command::Wrench;
 use super::model::WaterMotion;
 use crate::guidance::{Reference, VesselState};
@@ -43,6 +44,11 @@ pub trait Law: Send {
 
     /// Learns what the actuators made of the demand; called once after every [`Law::demand`].
     fn settle(&mut self, dt_s: f64, allocation: &Allocation);
+
+    /// Takes over the gains of `boat` and keeps what has been learned; false for a law that cannot.
+    fn retune(&mut self, _boat: &Boat) -> bool {
+        false
+    }
 
     /// What the law thought at the last tick.
     fn diagnostics(&self) -> LawDiagnostics;

@@ -82,6 +82,14 @@ impl Law for PiSmc {
         self.yaw.settle(dt_s, yaw, yaw_outcome);
     }
 
+    fn retune(&mut self, boat: &Boat) -> bool {
+        let fresh = Self::new(boat);
+        self.heading_gain = fresh.heading_gain;
+        self.surge.take_gains(fresh.surge);
+        self.yaw.take_gains(fresh.yaw);
+        true
+    }
+
     fn diagnostics(&self) -> LawDiagnostics {
         let (alpha_u_mps, alpha_r_radps) =
             self.last.as_ref().map_or((0.0, 0.0), |(surge, yaw)| (surge.target, yaw.target));

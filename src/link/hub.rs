@@ -151,6 +151,11 @@ impl Hub {
         self.shared.registry.outbox(link).map(|outbox| outbox.traffic())
     }
 
+    /// Bytes that wait to be written, on the link where most do.
+    pub fn most_waiting_bytes(&self) -> usize {
+        self.shared.registry.most_waiting_bytes()
+    }
+
     /// Closes every endpoint: waiting bytes are written for at most [`LinkSettings::flush`], then all
     /// sockets and devices are closed and all tasks have ended.
     pub async fn close(mut self) {

@@ -38,6 +38,11 @@ impl Registry {
         lock(&self.peers).get(&link).cloned()
     }
 
+    /// Bytes that wait to be written, for the peer for which most do.
+    pub(super) fn most_waiting_bytes(&self) -> usize {
+        lock(&self.peers).values().map(|outbox| lock(&outbox.waiting).bytes).max().unwrap_or(0)
+    }
+
     fn insert(&self, outbox: Arc<Outbox>) -> LinkId {
         let link = LinkId(self.next.fetch_add(1, Ordering::Relaxed));
         lock(&self.peers).insert(link, outbox);

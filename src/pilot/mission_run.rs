@@ -95,6 +95,8 @@ pub struct MissionRun {
     waypoints: Vec<NorthEast>,
     boat: Boat,
     settings: RunSettings,
+    /// Speed that wins over the mission's, m/s.
+    speed_mps: Option<f64>,
     helm: Helm,
     phase: Phase,
     next: usize,
@@ -127,6 +129,7 @@ impl MissionRun {
             waypoints,
             boat,
             settings,
+            speed_mps: None,
             helm,
             phase: Phase::ToStart,
             next: 0,
@@ -285,8 +288,31 @@ impl MissionRun {
         Ok(())
     }
 
+    /// Takes over other gains and another usual speed. True when the controller had to be made anew, and has to be
+    /// engaged again: what it has learned is kept only by a law that can take over gains.
+    pub fn retune(&mut self, boat: &Boat, settings: RunSettings, gains_changed: bool) -> bool {
+        self.settings = settings;
+        if !gains_changed {
+            return false;
+        }
+        self.boat = boat.clone();
+        let kept = self.helm.retune(boat);
+        if !kept {
+            self.helm = Helm::with_controller(boat, settings.controller, EndOfPath::Stop);
+        }
+        !kept
+    }
+
+    /// Drives at this speed over ground from now on, whatever the mission says, m/s; `None` gives the mission its say back.
+    pub fn set_speed(&mut self, speed_mps: Option<f64>) {
+        self.speed_mps = speed_mps;
+    }
+
     /// The speed wanted on the leg to waypoint `index`.
     fn leg_speed_mps(&self, index: usize) -> f64 {
+        if let Some(speed_mps) = self.speed_mps {
+            return speed_mps;
+        }
         let given = self.route.waypoints.get(index).and_then(|waypoint| waypoint.speed_mps);
         given.unwrap_or(self.settings.speed_mps)
     }

@@ -92,8 +92,10 @@ impl<R: Read> Replay<R> {
             difference: None,
             statistics: LinkStatistics::default(),
         };
+        let mut bridge = Bridge::new(header.settings.clone());
+        bridge.keep_own();
         Self {
-            bridge: Bridge::new(header.settings.clone()),
+            bridge,
             recording,
             sent: VecDeque::new(),
             recorded_commands: Sha256::new(),
@@ -112,7 +114,8 @@ impl<R: Read> Replay<R> {
                         self.proof.duration = now;
                         self.proof.calls += 1;
                         input.apply(now, &mut self.bridge);
-                        while let Some(frame) = self.bridge.poll_transmit() {
+                        while self.bridge.poll_transmit().is_some() {}
+                        while let Some(frame) = self.bridge.poll_own() {
                             self.sent.push_back(frame);
                         }
                         while self.bridge.poll_event().is_some() {}

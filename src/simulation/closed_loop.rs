@@ -87,7 +87,10 @@ impl ClosedLoop {
         while self.now < limit {
             self.step();
             let state = self.bridge.status().state;
-            if matches!(state, State::Finished | State::Stopped) || self.bridge.refusal().is_some() {
+            if matches!(state, State::Finished | State::Stopped)
+                || self.bridge.refusal().is_some()
+                || self.sitl.is_scenario_over()
+            {
                 break;
             }
         }
@@ -139,6 +142,11 @@ impl ClosedLoop {
     /// The simulated boat.
     pub fn sitl(&self) -> &Sitl {
         &self.sitl
+    }
+
+    /// The simulated boat, to change something about it.
+    pub fn sitl_mut(&mut self) -> &mut Sitl {
+        &mut self.sitl
     }
 
     /// The bridge.

@@ -3,6 +3,7 @@
 use helmlink_wire::enums::{MAV_SEVERITY_CRITICAL, MAV_SEVERITY_INFO};
 
 use super::Autopilot;
+use super::battery::Charge;
 use super::parameters::*;
 
 /// Values of the second parameter of the arm command that skip the checks: ArduPilot's and MAVProxy's.
@@ -16,6 +17,12 @@ impl Autopilot {
             obstacles.extend(self.start_up_obstacle());
             if self.parameters.int(FS_THR_ENABLE) > 0 && self.has_radio_loss() {
                 obstacles.push("Radio failsafe on");
+            }
+            if self.is_outside_fence() {
+                obstacles.push("vehicle outside fence");
+            }
+            if self.battery.state() != Charge::Good {
+                obstacles.push("Battery 1 low");
             }
         }
         if !self.mode.may_arm() {
@@ -64,7 +71,7 @@ impl Autopilot {
     }
 
     /// Disarms.
-    pub(super) fn disarm(&mut self) {
+    pub(crate) fn disarm(&mut self) {
         if self.armed {
             self.armed = false;
             self.links.text(MAV_SEVERITY_INFO, "Throttle disarmed");

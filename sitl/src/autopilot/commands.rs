@@ -14,6 +14,7 @@ use super::guided::{is_global_frame, is_usable};
 use super::modes::Mode;
 use super::navigation;
 use super::streams;
+use crate::clock::ClockOrder;
 
 /// A command in either form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,6 +102,8 @@ impl Autopilot {
             MAV_CMD_REQUEST_MESSAGE => self.command_request(command),
             MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES => self.request(AUTOPILOT_VERSION_DATA::ID),
             MAV_CMD_GET_HOME_POSITION => self.request(HOME_POSITION_DATA::ID),
+            MAV_CMD_DO_FENCE_ENABLE => self.enable_fence(command.whole(0)),
+            MAV_CMD_USER_1 => self.command_clock(link, command),
             MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => {
                 // 1 restarts, 3 restarts into the boot loader; a shutdown is not simulated.
                 done(!self.armed && matches!(command.whole(0), Some(1 | 3)))
@@ -108,6 +111,22 @@ impl Autopilot {
             MAV_CMD_PREFLIGHT_CALIBRATION | MAV_CMD_PREFLIGHT_STORAGE => done(!self.armed),
             _ => MAV_RESULT_UNSUPPORTED,
         }
+    }
+
+    /// The simulator's own command: parameter 1 is 0 to let time pass, 1 to stop it, 2 to run so many loops of
+    /// 20 ms (parameter 2), 3 to go in lockstep in beats of so many ms (parameter 2), 4 to end that.
+    fn command_clock(&mut self, link: LinkId, command: &Command) -> u8 {
+        let count = command.whole(1).and_then(|count| u32::try_from(count).ok()).unwrap_or(0);
+        let order = match command.whole(0) {
+            Some(0) => ClockOrder::Resume,
+            Some(1) => ClockOrder::Pause,
+            Some(2) => ClockOrder::Step(count.max(1)),
+            Some(3) => ClockOrder::Join(Duration::from_millis(count.into())),
+            Some(4) => ClockOrder::Leave,
+            _ => return MAV_RESULT_DENIED,
+        };
+        self.clock.obey(link, order, self.now);
+        MAV_RESULT_ACCEPTED
     }
 
     fn command_arm(&mut self, command: &Command) -> u8 {

@@ -103,7 +103,12 @@ impl Autopilot {
         if goes_on || matches!(self.mode, Mode::Hold | Mode::Rtl) {
             return;
         }
-        match self.parameters.int(FS_ACTION) {
+        self.act_by_number(self.parameters.int(FS_ACTION));
+    }
+
+    /// What the numbers of FS_ACTION, FENCE_ACTION and BATT_FS_LOW_ACT mean.
+    pub(super) fn act_by_number(&mut self, action: i32) {
+        match action {
             1 => self.first_possible(&[Mode::Rtl, Mode::Hold]),
             2 => self.first_possible(&[Mode::Hold]),
             3 => self.first_possible(&[Mode::SmartRtl, Mode::Rtl, Mode::Hold]),
@@ -126,20 +131,14 @@ impl Autopilot {
 #[cfg(test)]
 mod tests {
     use helmlink_wire::Message;
-    use helmlink_wire::dialect::{HEARTBEAT_DATA, RC_CHANNELS_OVERRIDE_DATA};
+    use helmlink_wire::dialect::HEARTBEAT_DATA;
     use helmlink_wire::enums::{MAV_STATE_ACTIVE, MAV_STATE_CRITICAL};
 
     use super::*;
     use crate::autopilot::testing::{Bench, GCS, LINK};
 
     fn sticks(throttle_us: u16) -> Message {
-        Message::RC_CHANNELS_OVERRIDE(RC_CHANNELS_OVERRIDE_DATA {
-            chan1_raw: 1500,
-            chan3_raw: throttle_us,
-            target_system: 1,
-            target_component: 1,
-            ..RC_CHANNELS_OVERRIDE_DATA::DEFAULT
-        })
+        crate::autopilot::testing::sticks(1500, throttle_us)
     }
 
     fn without_receiver() -> Bench {

@@ -9,8 +9,8 @@ use helmlink_wire::LinkId;
 use super::Autopilot;
 use super::parameters::*;
 use crate::faults::{Fault, LinkWeather, Thrusters};
-use crate::physics::NedVector;
 use crate::physics::faults::{ActuatorFault, GpsFaults, Stuck, VesselFaults};
+use crate::physics::{NedVector, Sea};
 
 /// SIM_RUD_STUCK: stuck where it is, or at SIM_RUD_AT.
 const STUCK_WHERE_IT_IS: f32 = 1.0;
@@ -115,6 +115,44 @@ impl Autopilot {
         }
     }
 
+    /// Tide and wind as the parameters have them: speed, m/s, and the direction they come from, degrees.
+    pub(crate) fn sea_parameters(&self) -> [f64; 4] {
+        [SIM_TIDE_SPEED, SIM_TIDE_DIR, SIM_WIND_SPD, SIM_WIND_DIR].map(|param| self.parameters.get(param))
+    }
+
+    /// Puts tide and wind into the parameters.
+    pub(crate) fn put_sea(&mut self, sea: &Sea) {
+        let tide = sea.current.map_or((0.0, 0.0), |current| (current.speed_mps, current.toward_deg + 180.0));
+        let wind = sea.wind.map_or((0.0, 180.0), |wind| (wind.speed_mps, wind.from_deg));
+        let directions = (tide.1.rem_euclid(360.0), wind.1.rem_euclid(360.0));
+        for (param, value) in [
+            (SIM_TIDE_SPEED, tide.0),
+            (SIM_TIDE_DIR, directions.0),
+            (SIM_WIND_SPD, wind.0),
+            (SIM_WIND_DIR, directions.1),
+        ] {
+            self.parameters.put(param, value as f32);
+        }
+    }
+
+    /// Fixes per second of the GPS.
+    pub(crate) fn gps_rate_hz(&self) -> f64 {
+        self.parameters.get(SIM_GPS_HZ)
+    }
+
+    /// SIM_SPEEDUP: multiple of real time; 0 is as fast as it goes.
+    pub(crate) fn speedup(&self) -> f64 {
+        self.parameters.get(SIM_SPEEDUP)
+    }
+
+    pub(crate) fn put_speedup(&mut self, speedup: f64) {
+        self.parameters.put(SIM_SPEEDUP, speedup as f32);
+    }
+
+    pub(crate) fn put_gps_rate(&mut self, rate_hz: f64) {
+        self.parameters.put(SIM_GPS_HZ, rate_hz as f32);
+    }
+
     /// What the lines do to frames.
     pub(crate) fn link_weather(&self) -> LinkWeather {
         let share = |param| self.parameters.get(param) / 100.0;
@@ -139,7 +177,7 @@ impl Autopilot {
         let left_percent = self.parameters.get(SIM_BATT_LEFT);
         if left_percent >= 0.0 {
             self.parameters.reset(SIM_BATT_LEFT);
-            self.consumed_mah = (1.0 - left_percent / 100.0) * self.parameters.get(BATT_CAPACITY);
+            self.battery.set_left(left_percent / 100.0, self.parameters.get(BATT_CAPACITY));
         }
         let outage_s = self.parameters.get(SIM_LNK_OUTAGE);
         match self.faults.outage_until {

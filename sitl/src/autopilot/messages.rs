@@ -1,13 +1,15 @@
 //! What the autopilot does with each message for it. Everything else is ignored.
 
+use std::time::Duration;
+
 use helmlink_wire::dialect::*;
 use helmlink_wire::enums::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED;
 use helmlink_wire::{Identity, LinkId};
 
 use super::Autopilot;
 use super::commands::Command;
-use super::ftp;
 use super::parameters::*;
+use super::telemetry::status::START_UNIX_US;
 
 impl Autopilot {
     /// Acts on a message of `from`, which arrived on `link` and is meant for this autopilot.
@@ -42,10 +44,11 @@ impl Autopilot {
             Message::SET_ATTITUDE_TARGET(data) => self.take_attitude_target(data),
             Message::SET_POSITION_TARGET_LOCAL_NED(data) => self.take_local_target(data),
             Message::SET_POSITION_TARGET_GLOBAL_INT(data) => self.take_global_target(data),
+            Message::SYSTEM_TIME(data) => self.take_lockstep_answer(link, data),
             Message::TIMESYNC(data) => self.answer_timesync(link, from, data),
             Message::PING(data) => self.answer_ping(link, from, data),
             Message::FILE_TRANSFER_PROTOCOL(data) => {
-                if let Some(answer) = ftp::answer(from, data) {
+                for answer in self.ftp.answers(link, from, data, &self.parameters) {
                     self.links.send(link, &answer);
                 }
             }
@@ -77,6 +80,12 @@ impl Autopilot {
         if let Some(streams) = self.links.streams(link) {
             streams.set_group(data.req_stream_id, rate_hz);
         }
+    }
+
+    /// A client in lockstep sends SYSTEM_TIME back once it has seen all up to then.
+    fn take_lockstep_answer(&mut self, link: LinkId, data: &SYSTEM_TIME_DATA) {
+        let seen_us = data.time_unix_usec.saturating_sub(START_UNIX_US);
+        self.clock.answer(link, Duration::from_micros(seen_us));
     }
 
     fn answer_timesync(&mut self, link: LinkId, from: Identity, data: &TIMESYNC_DATA) {

@@ -1,6 +1,6 @@
 //! The mission as stored, and telling ground stations how far it is.
 
-use helmlink_mission::geodesy::Geodetic;
+use helmlink_mission::geodesy::{Geodetic, NorthEast};
 use helmlink_mission::plan::Item;
 use helmlink_mission::protocol::MissionType;
 use helmlink_wire::dialect::{MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, Message};
@@ -10,7 +10,7 @@ use super::Autopilot;
 use super::auto::{Event, Progress, Situation};
 use super::modes::Mode;
 use super::motion::Demand;
-use super::navigation::Report;
+use super::navigation::{Leg, Report};
 use super::parameters::*;
 
 impl Autopilot {
@@ -31,7 +31,10 @@ impl Autopilot {
                         self.links.text(MAV_SEVERITY_NOTICE, "Auto mission changed, restarted command");
                     }
                 }
-                MissionType::Fence => self.parameters.put(FENCE_TOTAL, count),
+                MissionType::Fence => {
+                    self.parameters.put(FENCE_TOTAL, count);
+                    self.read_fence();
+                }
                 MissionType::Rally => self.parameters.put(RALLY_TOTAL, count),
             }
         }
@@ -88,6 +91,25 @@ impl Autopilot {
         if let Err(refusal) = self.enter_mode(next) {
             self.links.text(MAV_SEVERITY_WARNING, &refusal.to_string());
         }
+    }
+
+    /// Distance to the nearest leg of the mission, m; 0 without one.
+    pub(super) fn distance_from_mission_m(&self, place: NorthEast) -> f64 {
+        let positions = self.mission_items().iter().filter_map(|item| item.position());
+        let places: Vec<NorthEast> = positions.map(|place| self.frame.to_local(place)).collect();
+        let distance = |pair: &[NorthEast]| {
+            let leg = Leg { from: pair[0], to: pair[1] };
+            let (along_m, right_m) = leg.along_and_right_m(place);
+            let length_m = (leg.to - leg.from).norm();
+            if along_m <= 0.0 {
+                (place - leg.from).norm()
+            } else if along_m >= length_m {
+                (place - leg.to).norm()
+            } else {
+                right_m.abs()
+            }
+        };
+        places.windows(2).map(distance).min_by(f64::total_cmp).unwrap_or(0.0)
     }
 
     /// MISSION_CURRENT with this sequence number.

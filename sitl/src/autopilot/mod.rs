@@ -6,7 +6,7 @@
 //! | `reception`, `messages` | from bytes to frames, and what is done with each message |
 //! | `commands`, `parameters`, `missions`, `ftp` | the services |
 //! | `streams`, `telemetry` | what is sent when |
-//! | `modes`, `arming`, `failsafe` | what the boat may do |
+//! | `modes`, `arming`, `failsafe`, `battery`, `fence` | what the boat may do |
 //! | `faults` | what is made to fail, as parameters |
 //! | `rc`, `guided`, `auto`, `breadcrumbs` | where the orders come from |
 //! | `navigation`, `steering`, `outputs` | from places to turn rates to actuators |
@@ -18,10 +18,12 @@
 
 mod arming;
 mod auto;
+mod battery;
 mod breadcrumbs;
 mod commands;
 mod failsafe;
 mod faults;
+mod fence;
 mod ftp;
 mod guided;
 mod links;
@@ -55,14 +57,20 @@ use helmlink_wire::dialect::{Message, TIMESYNC_DATA};
 use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
 use helmlink_wire::{Identity, LinkId};
 
+pub(crate) use modes::mode_number;
 pub use settings::{AutopilotSettings, StartUp};
 
 use crate::SitlError;
+use crate::clock::Clock;
 use crate::physics::{ActuatorCommand, Estimate, Hull, State};
+use crate::scenario::Observation;
 use auto::Auto;
+use battery::Battery;
 use breadcrumbs::Breadcrumbs;
 use failsafe::Failsafe;
 use faults::FaultClock;
+use fence::Fence;
+use ftp::Ftp;
 use guided::Guided;
 use links::Links;
 use modes::{Mode, ModeState};
@@ -84,7 +92,7 @@ const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
 const DRIFT_SHARE: f64 = 4.0;
 /// After a restart the first HEARTBEAT comes this late (measured: about a second).
 const BOOT_SILENCE: Duration = Duration::from_secs(1);
-/// Current drawn at rest, and at full throttle on top, A.
+/// Current drawn at rest, and by the motors at full revolutions on top, A.
 const CURRENT_A: (f64, f64) = (0.5, 20.0);
 
 /// The flight controller.
@@ -122,7 +130,11 @@ pub(crate) struct Autopilot {
     report: Option<Report>,
     /// The message that a command has asked for.
     requested: Option<Message>,
-    consumed_mah: f64,
+    battery: Battery,
+    fence: Fence,
+    ftp: Ftp,
+    /// Who lets time pass.
+    pub(crate) clock: Clock,
     /// A computer that starts says nothing until then.
     silent_until: Duration,
     faults: FaultClock,
@@ -142,6 +154,7 @@ impl Autopilot {
         parameters.put(servo(1, ServoField::Function), first as f32);
         parameters.put(servo(3, ServoField::Function), third as f32);
         parameters.put(SIM_RC_FAIL, if settings.has_rc_receiver { 0.0 } else { 1.0 });
+        parameters.set_base();
         for (name, value) in &settings.parameters {
             parameters.set(name, *value).map_err(|error| SitlError::Parameter {
                 name: name.clone(),
@@ -177,7 +190,10 @@ impl Autopilot {
             outputs: Outputs::default(),
             report: None,
             requested: None,
-            consumed_mah: 0.0,
+            battery: Battery::default(),
+            fence: Fence::default(),
+            ftp: Ftp::default(),
+            clock: Clock::default(),
             silent_until: Duration::ZERO,
             faults: FaultClock::default(),
         })
@@ -190,6 +206,8 @@ impl Autopilot {
     pub(crate) fn link_down(&mut self, link: LinkId) {
         self.links.down(link);
         self.missions.link_down(link);
+        self.ftp.forget(link);
+        self.clock.forget(link);
     }
 
     /// Bytes that arrive; they are acted upon in the next loop.
@@ -220,6 +238,8 @@ impl Autopilot {
         self.poll_missions();
         self.rc.expire(now, &self.parameters);
         self.watch_failsafes();
+        self.watch_battery();
+        self.watch_fence();
         self.drift.update(&self.motion(), DRIFT_SHARE / self.parameters.get(ATC_STR_ANG_P), LOOP_S);
         let demand = self.demand();
         let demand = if self.armed || self.mode == Mode::Manual { demand } else { Demand::NEUTRAL };
@@ -227,7 +247,7 @@ impl Autopilot {
         self.command = self.steering.command(demand, &motion, &self.parameters, self.twin, LOOP_S);
         self.outputs.put(self.command, self.armed, &self.parameters, LOOP_S);
         self.leave_breadcrumb();
-        self.consumed_mah += self.current_a() * LOOP_S / 3.6;
+        self.draw_current();
         self.outputs.actuators(self.twin)
     }
 
@@ -254,6 +274,18 @@ impl Autopilot {
             self.parameters.put(STAT_RUNTIME, self.since_boot().as_secs_f32());
             self.announce_parameter(STAT_RUNTIME);
         }
+        for link in self.clock.count(self.now) {
+            self.links.send(link, &self.system_time());
+        }
+    }
+
+    /// While time stands: answers questions and takes orders that have arrived.
+    pub(crate) fn serve(&mut self) {
+        for link in self.links.ids() {
+            self.receive(link);
+        }
+        self.poll_missions();
+        self.continue_parameter_lists();
     }
 
     /// Whether a multiple of `period` since the start lies within this loop.
@@ -345,9 +377,64 @@ impl Autopilot {
         self.home.map_or(NorthEast::ZERO, |home| self.frame.to_local(home))
     }
 
-    /// Current drawn from the battery, A.
-    fn current_a(&self) -> f64 {
-        CURRENT_A.0 + CURRENT_A.1 * self.outputs.throttle().abs()
+    /// Draws from the battery what this loop costs: the power of a propeller grows with the cube of its speed.
+    fn draw_current(&mut self) {
+        let load = self.outputs.motor_load(self.twin);
+        self.battery.draw(CURRENT_A.0 + CURRENT_A.1 * load, LOOP_S);
+    }
+
+    /// How things stand, for scenarios; what really happens is `truth`.
+    pub(crate) fn observe(&self) -> Observation {
+        let place = NorthEast::new(self.truth.north_m, self.truth.east_m);
+        let (north_mps, east_mps) = self.truth.velocity_ned_mps();
+        Observation {
+            mode: self.mode.number(),
+            armed: self.armed,
+            has_position: self.has_position(),
+            mission_complete: self.auto.progress() == auto::Progress::Complete,
+            mission_item: f64::from(self.auto.current()),
+            north_m: place.north_m,
+            east_m: place.east_m,
+            distance_home_m: (place - self.home_point()).norm(),
+            speed_mps: north_mps.hypot(east_mps),
+            heading_deg: self.truth.psi_rad.to_degrees().rem_euclid(360.0),
+            cross_track_m: self.distance_from_mission_m(place),
+            position_error_m: (place - self.motion().position).norm(),
+            battery_percent: 100.0 * self.battery_left(),
+        }
+    }
+
+    /// Sets a parameter whose name has been checked, and tells everyone; a value out of its range is cut.
+    pub(crate) fn set_known_parameter(&mut self, name: &str, value: f32) {
+        if let Some(param) = self.parameters.find(name) {
+            self.parameters.put(param, value);
+            self.announce_parameter(param);
+        }
+    }
+
+    /// Whether there is a parameter of this name.
+    pub(crate) fn has_parameter(&self, name: &str) -> bool {
+        self.parameters.find(name).is_some()
+    }
+
+    /// Names and values of the parameters that a user has changed.
+    pub(crate) fn changed_parameters(&self) -> Vec<(String, f32)> {
+        self.parameters.changed()
+    }
+
+    /// Arms and starts the mission, or keeps the place; false while that is not possible.
+    pub(crate) fn start(&mut self) -> bool {
+        if !self.has_position() || !self.arming_obstacles().is_empty() || !self.arm(false) {
+            return false;
+        }
+        let mode = if self.mission_items().is_empty() { Mode::Loiter } else { Mode::Auto };
+        self.enter_mode(mode).is_ok()
+    }
+
+    /// Enters a mode as if a ground station had asked for it.
+    pub(crate) fn order_mode(&mut self, number: u32) {
+        // A refusal has been told as STATUSTEXT.
+        let _ = self.enter_mode_number(number);
     }
 }
 

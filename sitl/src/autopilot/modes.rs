@@ -1,6 +1,7 @@
 //! The modes of ArduRover, and changing between them.
 
 use helmlink_mission::geodesy::NorthEast;
+use helmlink_mission::protocol::MissionType;
 use helmlink_wire::enums::*;
 
 use super::Autopilot;
@@ -33,6 +34,29 @@ pub(super) enum Mode {
     Guided,
     /// Starting up.
     Initialising,
+}
+
+/// The modes of a rover by the names that ground stations give them.
+const NAMES: [(&str, u32); 14] = [
+    ("MANUAL", ROVER_MODE_MANUAL),
+    ("ACRO", ROVER_MODE_ACRO),
+    ("STEERING", ROVER_MODE_STEERING),
+    ("HOLD", ROVER_MODE_HOLD),
+    ("LOITER", ROVER_MODE_LOITER),
+    ("FOLLOW", ROVER_MODE_FOLLOW),
+    ("SIMPLE", ROVER_MODE_SIMPLE),
+    ("DOCK", ROVER_MODE_DOCK),
+    ("CIRCLE", ROVER_MODE_CIRCLE),
+    ("AUTO", ROVER_MODE_AUTO),
+    ("RTL", ROVER_MODE_RTL),
+    ("SMART_RTL", ROVER_MODE_SMART_RTL),
+    ("GUIDED", ROVER_MODE_GUIDED),
+    ("INITIALISING", ROVER_MODE_INITIALIZING),
+];
+
+/// The number of the mode with this name, in capitals or not.
+pub(crate) fn mode_number(name: &str) -> Option<u32> {
+    NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, number)| *number)
 }
 
 /// Why a mode was not entered.
@@ -183,7 +207,7 @@ impl Autopilot {
                 self.mode_state.point = motion.position + ahead;
             }
             Mode::Rtl => {
-                let leg = Leg { from: motion.position, to: self.home_point() };
+                let leg = Leg { from: motion.position, to: self.best_rally_or_home() };
                 self.mode_state = ModeState { point: leg.to, leg, arrived: false };
             }
             Mode::SmartRtl => {
@@ -225,6 +249,19 @@ impl Autopilot {
         };
         self.report = report;
         demand
+    }
+
+    /// The nearest rally point within RALLY_LIMIT_KM, or home if that is nearer and RALLY_INCL_HOME counts it in.
+    fn best_rally_or_home(&self) -> NorthEast {
+        let here = self.motion().position;
+        let distance_m = |place: &NorthEast| (*place - here).norm();
+        let limit_m = 1000.0 * self.parameters.get(RALLY_LIMIT_KM);
+        let rally = self.missions.items(MissionType::Rally).iter().filter_map(|item| item.position());
+        let near = |place: &NorthEast| limit_m == 0.0 || distance_m(place) <= limit_m;
+        let home = (self.parameters.int(RALLY_INCL_HOME) == 1).then(|| self.home_point());
+        let places = rally.map(|place| self.frame.to_local(place)).filter(near).chain(home);
+        let nearest = places.min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        nearest.unwrap_or_else(|| self.home_point())
     }
 
     fn go_home(&mut self) -> (Demand, Report) {

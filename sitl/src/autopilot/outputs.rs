@@ -39,6 +39,16 @@ impl Outputs {
         self.throttle
     }
 
+    /// Load of the motors, [0, 1]: the mean of the cubes of their speeds.
+    pub(super) fn motor_load(&self, twin: bool) -> f64 {
+        match self.actuators(twin) {
+            ActuatorCommand::TwinThrusters { left, right } => {
+                0.5 * (left.abs().powi(3) + right.abs().powi(3)).min(2.0)
+            }
+            ActuatorCommand::ThrottleSteering { throttle, .. } => throttle.abs().powi(3).min(1.0),
+        }
+    }
+
     /// DO_SET_SERVO; false if the output does not exist or has a function.
     pub(super) fn set(&mut self, output: usize, pulse_us: u16, parameters: &Parameters) -> bool {
         let free = match output {

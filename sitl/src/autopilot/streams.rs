@@ -79,6 +79,7 @@ pub(super) const MESSAGES: &[(u32, Group)] = &[
     (POWER_STATUS_DATA::ID, Group::ExtendedStatus),
     (MEMINFO_DATA::ID, Group::ExtendedStatus),
     (MISSION_CURRENT_DATA::ID, Group::ExtendedStatus),
+    (FENCE_STATUS_DATA::ID, Group::ExtendedStatus),
     (GPS_RAW_INT_DATA::ID, Group::ExtendedStatus),
     (NAV_CONTROLLER_OUTPUT_DATA::ID, Group::ExtendedStatus),
     (POSITION_TARGET_GLOBAL_INT_DATA::ID, Group::ExtendedStatus),

@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use std::time::Duration;
 
 use helmlink_mission::geodesy::NorthEast;
-use helmlink_wire::dialect::Message;
+use helmlink_wire::dialect::{Message, RC_CHANNELS_OVERRIDE_DATA};
 use helmlink_wire::{Encoder, Framer, Identity, LinkId};
 
 use super::{AutopilotSettings, LOOP};
@@ -18,6 +18,17 @@ pub(crate) const GCS: Identity = Identity { system: 255, component: 190 };
 pub(crate) const COMPANION: Identity = Identity { system: 1, component: 191 };
 /// One hull of every kind.
 pub(crate) const HULLS: [&str; 4] = ["otter", "monohull38", "skiff", "motorboat"];
+
+/// Sticks as a ground station sends them.
+pub(crate) fn sticks(steering_us: u16, throttle_us: u16) -> Message {
+    Message::RC_CHANNELS_OVERRIDE(RC_CHANNELS_OVERRIDE_DATA {
+        chan1_raw: steering_us,
+        chan3_raw: throttle_us,
+        target_system: 1,
+        target_component: 1,
+        ..RC_CHANNELS_OVERRIDE_DATA::DEFAULT
+    })
+}
 
 /// A boat and what its clients see.
 pub(crate) struct Bench {

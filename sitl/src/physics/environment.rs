@@ -66,6 +66,10 @@ impl Environment {
         }
     }
 
+    pub(super) fn sea(&self) -> &Sea {
+        &self.sea
+    }
+
     /// Changes to another sea; the parts that are the same go on as they were.
     pub(super) fn change(&mut self, sea: &Sea, hull: &Hull, seed: u64) {
         let new = Environment::new(sea, hull, seed);
@@ -77,6 +81,9 @@ impl Environment {
         }
         if sea.waves != self.sea.waves {
             self.waves = new.waves;
+        }
+        if sea.push != self.sea.push {
+            self.push = new.push;
         }
         self.sea = *sea;
     }

@@ -194,6 +194,13 @@ impl Sensors {
         };
     }
 
+    /// Changes the rate of the fixes.
+    pub(super) fn set_gps_rate(&mut self, rate_hz: f64) {
+        if let Some(noisy) = self.noisy.as_mut().filter(|noisy| noisy.noise.gps_rate_hz != rate_hz) {
+            noisy.noise.gps_rate_hz = rate_hz.clamp(1.0, INERTIAL_RATE_HZ);
+        }
+    }
+
     /// How far the GPS is off by its faults.
     fn gps_offset_m(&mut self, dt_s: f64, gps: &GpsFaults) -> [f64; 2] {
         let (jump, drift) = (gps.jump_m, gps.drift_mps);

@@ -154,6 +154,16 @@ impl Vessel {
         &self.faulty.faults
     }
 
+    /// The sea as it was asked for.
+    pub fn sea(&self) -> &Sea {
+        self.environment.sea()
+    }
+
+    /// Has the GPS deliver so many fixes per second from now on, 1 to 50.
+    pub fn set_gps_rate(&mut self, rate_hz: f64) {
+        self.sensors.set_gps_rate(rate_hz);
+    }
+
     /// Changes the sea from now on. What stays the same goes on as it was: the randomness of a part starts
     /// anew only where its mean has changed.
     pub fn set_sea(&mut self, sea: &Sea) {

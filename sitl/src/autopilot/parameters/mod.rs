@@ -1,5 +1,6 @@
 //! The settings of the autopilot under their ArduPilot names, as ground stations list and change them.
 
+mod packed;
 mod service;
 pub(super) mod table;
 
@@ -78,6 +79,8 @@ pub(super) enum SetError {
 pub(super) struct Parameters {
     definitions: Vec<Definition>,
     values: Vec<f32>,
+    /// The values that the user has started from.
+    base: Vec<f32>,
     by_name: BTreeMap<String, Param>,
     /// Grows with every change of a value.
     revision: u64,
@@ -87,10 +90,10 @@ impl Parameters {
     /// Every parameter at its default.
     pub(super) fn new() -> Self {
         let definitions = table::definitions();
-        let values = definitions.iter().map(|definition| definition.default).collect();
+        let values: Vec<f32> = definitions.iter().map(|definition| definition.default).collect();
         let by_name =
             definitions.iter().enumerate().map(|(at, each)| (each.name.clone(), Param(at))).collect();
-        Self { definitions, values, by_name, revision: 0 }
+        Self { base: values.clone(), definitions, values, by_name, revision: 0 }
     }
 
     /// The value of a parameter.

@@ -127,6 +127,10 @@ mod rows {
         FENCE_ENABLE: Int8 = 0 in 0 .. 1;
         FENCE_ACTION: Int8 = 1 in 0 .. 5;
         FENCE_TYPE: Int8 = 6 in 0 .. 7;
+        FENCE_RADIUS: Real32 = 300 in 1 .. 10000;
+        FENCE_MARGIN: Real32 = 2 in 0 .. 100;
+        RALLY_LIMIT_KM: Real32 = 0.5 in 0 .. 100;
+        RALLY_INCL_HOME: Int8 = 1 in 0 .. 1;
         FENCE_TOTAL: Int8 = 0 in 0 .. 127, read_only;
         RALLY_TOTAL: Int16 = 0 in 0 .. 32767, read_only;
 
@@ -138,8 +142,23 @@ mod rows {
         COMPASS_USE: Int8 = 1 in 0 .. 1;
         BATT_MONITOR: Int8 = 4 in 0 .. 32;
         BATT_CAPACITY: Int32 = 100000 in 1 .. 2000000;
+        BATT_LOW_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_LOW_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_LOW_TIMER: Int8 = 10 in 0 .. 120;
+        BATT_CRT_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_CRT_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_FS_LOW_ACT: Int8 = 0 in 0 .. 7;
+        BATT_FS_CRT_ACT: Int8 = 0 in 0 .. 7;
         LOG_BITMASK: Int32 = 0 in 0 .. 1048575;
         LOG_DISARMED: Int8 = 0 in 0 .. 3;
+
+        // The simulated world: the sea (tide and wind with the direction they come from), its pace.
+        SIM_TIDE_SPEED: Real32 = 0 in 0 .. 10;
+        SIM_TIDE_DIR: Real32 = 0 in -360 .. 360;
+        SIM_WIND_SPD: Real32 = 0 in 0 .. 60;
+        SIM_WIND_DIR: Real32 = 180 in -360 .. 360;
+        SIM_GPS_HZ: Int8 = 5 in 1 .. 50;
+        SIM_SPEEDUP: Real32 = 1 in 0 .. 1000;
 
         // Faults of the simulated world (see the module `faults`). Names of ArduPilot's own simulator where
         // it has them.
@@ -156,6 +175,7 @@ mod rows {
         SIM_ENGINE_FAIL: Int8 = 0 in 0 .. 3;
         SIM_ENGINE_MUL: Real32 = 1 in 0 .. 1;
         SIM_ENG_STUCK: Int8 = 0 in 0 .. 3;
+        SIM_BATT_VOLTAGE: Real32 = 12.6 in 0 .. 100;
         SIM_BATT_LEFT: Real32 = -1 in -1 .. 100;
         SIM_EKF_FAIL: Int8 = 0 in 0 .. 1;
         SIM_REBOOT: Int8 = 0 in 0 .. 1;

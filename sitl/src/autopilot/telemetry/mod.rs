@@ -2,7 +2,7 @@
 
 mod inputs;
 mod motion;
-mod status;
+pub(super) mod status;
 
 use std::time::Duration;
 
@@ -24,6 +24,7 @@ impl Autopilot {
             AUTOPILOT_VERSION_DATA::ID => Self::autopilot_version(),
             EKF_STATUS_REPORT_DATA::ID => self.ekf_status(),
             EXTENDED_SYS_STATE_DATA::ID => Message::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA::DEFAULT),
+            FENCE_STATUS_DATA::ID => self.fence_status()?,
             MISSION_CURRENT_DATA::ID => self.mission_current(self.auto.current()),
             HOME_POSITION_DATA::ID => self.home_position()?,
             GPS_GLOBAL_ORIGIN_DATA::ID => self.global_origin()?,
@@ -92,7 +93,8 @@ mod tests {
             let made = bench.autopilot.telemetry(id);
             let only_in_autopilot_modes =
                 matches!(id, NAV_CONTROLLER_OUTPUT_DATA::ID | POSITION_TARGET_GLOBAL_INT_DATA::ID);
-            assert_eq!(made.is_none(), only_in_autopilot_modes, "message {id}");
+            let only_with_a_fence = id == FENCE_STATUS_DATA::ID;
+            assert_eq!(made.is_none(), only_in_autopilot_modes || only_with_a_fence, "message {id}");
             if let Some(message) = made {
                 assert_eq!(message.message_id(), id);
             }

@@ -59,9 +59,10 @@ impl Autopilot {
         })
     }
 
-    /// Latitude and longitude are 0 until there is a position, as on ArduRover.
+    /// Latitude and longitude are 0 until there is a position, as on ArduRover; when it is lost again, dead
+    /// reckoning goes on.
     pub(super) fn global_position(&self) -> Message {
-        let (lat, lon) = if self.has_position() { self.position().to_e7() } else { (0, 0) };
+        let (lat, lon) = if self.home.is_some() { self.position().to_e7() } else { (0, 0) };
         let centi = |mps: f64| (mps * 100.0).round() as i16;
         Message::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
             time_boot_ms: self.boot_ms(),
@@ -106,8 +107,9 @@ impl Autopilot {
             };
             return Message::GPS_RAW_INT(nothing);
         }
-        let (lat, lon) = self.position().to_e7();
-        let velocity = self.motion().velocity_mps;
+        let gps = self.estimate.gps;
+        let (lat, lon) = self.frame.to_geodetic(NorthEast::new(gps.north_m, gps.east_m)).to_e7();
+        let velocity = NorthEast::new(gps.north_mps, gps.east_mps);
         let course_cdeg = wrap_positive(velocity.bearing_rad()).to_degrees() * 100.0;
         Message::GPS_RAW_INT(GPS_RAW_INT_DATA {
             time_usec: self.boot_us(),

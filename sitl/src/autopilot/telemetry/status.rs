@@ -5,13 +5,11 @@ use helmlink_wire::dialect::*;
 use helmlink_wire::enums::*;
 
 use super::super::Autopilot;
+use super::super::battery::Charge;
 use super::super::modes::Mode;
-use super::super::parameters::*;
 
-/// Battery voltage, mV: three cells, always full.
-const VOLTAGE_MV: u16 = 12_600;
 /// The unix time at which every simulation starts: 1 January 2026, 00:00 UTC.
-const START_UNIX_US: u64 = 1_767_225_600_000_000;
+pub(in crate::autopilot) const START_UNIX_US: u64 = 1_767_225_600_000_000;
 /// 4.6.0, a development version: what the simulated firmware claims to be.
 const VERSION: u32 = 0x0406_0000;
 /// The first characters of a git hash, in ASCII as ArduPilot has it.
@@ -76,6 +74,14 @@ impl Autopilot {
 
     pub(super) fn sys_status(&self) -> Message {
         let mut health = HEALTHY;
+        let fence = if self.is_fenced() { MAV_SYS_STATUS_GEOFENCE } else { 0 };
+        let enabled = ENABLED | fence;
+        if self.has_breached_fence() {
+            health &= !MAV_SYS_STATUS_GEOFENCE;
+        }
+        if self.battery.state() != Charge::Good {
+            health &= !MAV_SYS_STATUS_SENSOR_BATTERY;
+        }
         if !self.is_initialised() {
             health &= !INERTIAL;
         }
@@ -90,10 +96,10 @@ impl Autopilot {
         }
         Message::SYS_STATUS(SYS_STATUS_DATA {
             onboard_control_sensors_present: PRESENT,
-            onboard_control_sensors_enabled: ENABLED,
+            onboard_control_sensors_enabled: enabled,
             onboard_control_sensors_health: health,
             load: 50,
-            voltage_battery: VOLTAGE_MV,
+            voltage_battery: self.voltage_mv(),
             current_battery: self.current_ca(),
             battery_remaining: self.battery_percent(),
             ..SYS_STATUS_DATA::DEFAULT
@@ -112,7 +118,7 @@ impl Autopilot {
         Message::MEMINFO(MEMINFO_DATA { brkval: 0, freemem: u16::MAX, freemem32: 131_072 })
     }
 
-    pub(super) fn system_time(&self) -> Message {
+    pub(in crate::autopilot) fn system_time(&self) -> Message {
         let since_start_us = u64::try_from(self.now.as_micros()).unwrap_or(u64::MAX);
         let time_unix_usec = START_UNIX_US.saturating_add(since_start_us);
         Message::SYSTEM_TIME(SYSTEM_TIME_DATA { time_unix_usec, time_boot_ms: self.boot_ms() })
@@ -120,27 +126,34 @@ impl Autopilot {
 
     pub(super) fn battery_status(&self) -> Message {
         let mut voltages = [u16::MAX; 10];
-        voltages[0] = VOLTAGE_MV;
+        voltages[0] = self.voltage_mv();
         Message::BATTERY_STATUS(BATTERY_STATUS_DATA {
-            current_consumed: self.consumed_mah as i32,
+            current_consumed: self.battery.consumed_mah() as i32,
             energy_consumed: -1,
             temperature: i16::MAX,
             voltages,
             current_battery: self.current_ca(),
             battery_remaining: self.battery_percent(),
-            charge_state: MAV_BATTERY_CHARGE_STATE_OK,
+            charge_state: match self.battery.state() {
+                Charge::Good => MAV_BATTERY_CHARGE_STATE_OK,
+                Charge::Low => MAV_BATTERY_CHARGE_STATE_LOW,
+                Charge::Critical => MAV_BATTERY_CHARGE_STATE_CRITICAL,
+            },
             ..BATTERY_STATUS_DATA::DEFAULT
         })
     }
 
     /// Current, hundredths of an ampere.
     fn current_ca(&self) -> i16 {
-        (self.current_a() * 100.0) as i16
+        (self.battery.current_a() * 100.0) as i16
+    }
+
+    fn voltage_mv(&self) -> u16 {
+        (1000.0 * self.battery_voltage_v()).round() as u16
     }
 
     fn battery_percent(&self) -> i8 {
-        let share = self.consumed_mah / self.parameters.get(BATT_CAPACITY);
-        (100.0 * (1.0 - share)).clamp(0.0, 100.0) as i8
+        (100.0 * self.battery_left()) as i8
     }
 
     pub(super) fn autopilot_version() -> Message {
