@@ -1,5 +1,7 @@
 //! What a user does with logs: records a boat, proves the recording, replays it, makes a report of it.
 
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

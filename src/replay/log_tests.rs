@@ -75,7 +75,9 @@ fn the_recorded_run_goes_through_the_controller_to_its_end() {
     let driven = result.recorded.unwrap();
     assert!(driven.distance_m > 200.0 && driven.cross_track_straight_m.unwrap().rms < 3.0, "{driven:?}");
     let difference = result.difference.unwrap();
-    assert!(difference.samples > 500 && difference.steering_correlation.unwrap() > 0.3, "{difference:?}");
+    // Two controllers on the same states: alike on the legs, each with its own way round the corners.
+    assert!(difference.samples > 500 && difference.steering_rms < 0.2, "{difference:?}");
+    assert!(difference.steering_correlation.unwrap() > 0.1, "{difference:?}");
     assert!(picture.panels()[0].curves[1].readings.len() > 500);
 }
 
