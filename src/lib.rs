@@ -14,6 +14,7 @@
 //! | [`guidance`], [`control`] | path following, the adaptive sliding-mode law, allocation | MAVLink |
 //! | [`pilot`] | the mission as a step function, and the safety state machine | sockets, clocks |
 //! | [`bridge`] | all of that behind bytes in, bytes out | sockets, clocks |
+//! | [`gate`] | signatures, allowed systems, secrets: what passes between links and bridge | sockets, clocks |
 //! | [`simulation`] | the bridge and the simulated boat in one process, and the score | sockets, clocks |
 //! | [`record`] | what a bridge records of itself, so that it can be replayed | files |
 //! | [`replay`] | logs through the controller: proof, what-if, comparison, play | sockets, clocks |
@@ -26,6 +27,7 @@
 pub mod app;
 pub mod bridge;
 pub mod control;
+pub mod gate;
 pub mod guidance;
 pub mod link;
 pub mod pilot;

@@ -7,6 +7,7 @@
 //! | [`plan`] | mission items and the files they are kept in |
 //! | [`route`] | what a mission means to a boat: waypoints, speeds, waits |
 //! | [`path`] | the curve itself: legs and smooth turns by arc length |
+//! | [`track`] | a driven track as a mission |
 //! | [`protocol`] | the MAVLink mission protocol, both ends |
 //!
 //! Nothing here owns a socket, a file handle that outlives a call, or a clock.
@@ -17,3 +18,4 @@ pub mod path;
 pub mod plan;
 pub mod protocol;
 pub mod route;
+pub mod track;

@@ -1,21 +1,28 @@
 //! `helmlink bridge`: steers a boat through its flight controller.
 
+mod links;
+mod signing;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::Args;
 use helmlink_wire::Identity;
 
+use self::links::LinkArgs;
+use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
 use super::edge::{Edge, Seen};
 use super::failure::Failure;
+use super::guarded::Guarded;
 use super::mission;
 use super::recorder::{RecordLimits, Recorder};
 use super::report;
+use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
-use crate::link::{Hub, LinkSettings, LinkUrl};
+use crate::link::LinkUrl;
 use crate::pilot::supervisor::{Request, State};
 use crate::vehicle::{Mode, OutputKind};
 
@@ -25,7 +32,8 @@ use crate::vehicle::{Mode, OutputKind};
 Examples:
   helmlink bridge --connect serial:/dev/ttyAMA0:921600 --engage-mode GUIDED --output guided
   helmlink bridge --connect tcp:127.0.0.1:5760 --engage
-  helmlink bridge --connect udpin:0.0.0.0:14550 --shadow --mission survey.waypoints
+  helmlink bridge --connect udpin:127.0.0.1:14550 --shadow --mission survey.waypoints
+  helmlink bridge --connect serial:/dev/ttyAMA0:921600 --gcs udpin:0.0.0.0:14550 --signing-key key --sign gcs
 
 Without --engage, --engage-mode or a command from a ground station (MISSION_START or DO_PAUSE_CONTINUE
 to component 191) the bridge only watches. It never arms the motors unless --arm is given.
@@ -84,6 +92,12 @@ pub struct BridgeArgs {
     pub once: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub links: LinkArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub state: StateDirArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub common: Common,
 }
 
@@ -97,9 +111,10 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
         Failure::usage("say where the flight controller is: --connect tcp:HOST:PORT, udpin:…, udpout:… or serial:DEVICE:BAUD")
     })?;
     let settings = settings(args)?;
+    let signing = args.links.signing(&args.state)?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings))
+    runtime.block_on(drive(args, &url, settings, signing))
 }
 
 /// The settings that the options ask for.
@@ -144,13 +159,16 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
     })
 }
 
-async fn drive(args: &BridgeArgs, url: &LinkUrl, settings: BridgeSettings) -> Result<(), Failure> {
+async fn drive(
+    args: &BridgeArgs,
+    url: &LinkUrl,
+    settings: BridgeSettings,
+    mut signing: Option<SigningStore>,
+) -> Result<(), Failure> {
     let mut bridge = Bridge::new(settings);
     let mut log = start_recording(args, &mut bridge)?;
-    let mut hub = Hub::new(LinkSettings::default());
-    hub.open(url).await.map_err(Failure::usage)?;
-    let mut edge = Edge::new(bridge, hub, TICK);
-    tracing::info!("connecting to {url}");
+    let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    let mut edge = Edge::new(guarded, hub, TICK);
     let mut watch = Watch::new(args);
     let mut interrupt = std::pin::pin!(interrupted());
     let ending = loop {
@@ -160,12 +178,9 @@ async fn drive(args: &BridgeArgs, url: &LinkUrl, settings: BridgeSettings) -> Re
             seen = edge.turn() => watch.look(&edge, seen),
         }
         say_events(&mut edge);
-        if let Some(log) = &mut log {
-            log.write(edge.party.take_journal());
-            if let Some(failing) = log.poll_failing() {
-                let now = edge.now();
-                edge.party.set_recording_failed(now, failing);
-            }
+        write_log(&mut edge, &mut log);
+        if let Some(store) = &mut signing {
+            store.save_when_due(edge.now(), edge.party.gate.timestamp());
         }
         if let Some(ending) = watch.ending(&edge, url) {
             break ending;
@@ -173,9 +188,15 @@ async fn drive(args: &BridgeArgs, url: &LinkUrl, settings: BridgeSettings) -> Re
     };
     stop(&mut edge).await;
     finish_recording(&mut edge, log);
+    if let Some(store) = &mut signing {
+        store.save(edge.party.gate.timestamp());
+    }
     edge.close().await;
     ending
 }
+
+/// The bridge with its gate, its links and its clock.
+type Live = Edge<Guarded<Bridge>>;
 
 /// Decides when the command ends by itself.
 struct Watch {
@@ -190,7 +211,7 @@ impl Watch {
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
-    fn look(&mut self, edge: &Edge<Bridge>, seen: Option<Seen>) {
+    fn look(&mut self, edge: &Live, seen: Option<Seen>) {
         match seen {
             Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
             Some(Seen::Down(reason)) => tracing::warn!("link down: {reason}"),
@@ -199,7 +220,7 @@ impl Watch {
         self.found = self.found.or(edge.party.status().vehicle);
     }
 
-    fn ending(&self, edge: &Edge<Bridge>, url: &LinkUrl) -> Option<Result<(), Failure>> {
+    fn ending(&self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
         if let Some(refusal) = edge.party.refusal() {
             return Some(Err(Failure::usage(refusal)));
         }
@@ -215,7 +236,7 @@ impl Watch {
 }
 
 /// Stops the boat, lets go, and waits until that is done.
-async fn stop(edge: &mut Edge<Bridge>) {
+async fn stop(edge: &mut Live) {
     let now = edge.now();
     edge.party.request(now, Request::Stop).ok();
     edge.flush();
@@ -227,7 +248,10 @@ async fn stop(edge: &mut Edge<Bridge>) {
     edge.flush();
 }
 
-fn say_events(edge: &mut Edge<Bridge>) {
+fn say_events(edge: &mut Live) {
+    if let Some(news) = edge.party.gate.take_news() {
+        tracing::warn!("{news}");
+    }
     while let Some(event) = edge.party.poll_event() {
         console::log(&event);
     }
@@ -246,8 +270,18 @@ fn start_recording(args: &BridgeArgs, bridge: &mut Bridge) -> Result<Option<Reco
     Recorder::start(folder, limits, start_us, bridge.journal_header()).map(Some)
 }
 
+/// Hands what has been recorded to the disk.
+fn write_log(edge: &mut Live, recorder: &mut Option<Recorder>) {
+    let Some(recorder) = recorder else { return };
+    recorder.write(edge.party.take_journal());
+    if let Some(failing) = recorder.poll_failing() {
+        let now = edge.now();
+        edge.party.set_recording_failed(now, failing);
+    }
+}
+
 /// Ends the recording, and makes its report: the boat has been let go, so that may take its time.
-fn finish_recording(edge: &mut Edge<Bridge>, recorder: Option<Recorder>) {
+fn finish_recording(edge: &mut Live, recorder: Option<Recorder>) {
     let Some(mut recorder) = recorder else { return };
     recorder.write(edge.party.take_journal());
     recorder.write(edge.party.finish_journal());

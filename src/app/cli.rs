@@ -49,7 +49,7 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Make a page, tables and Foxglove files of a log
     Report(Box<ReportArgs>),
-    /// Look at mission files
+    /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
 }

@@ -6,7 +6,7 @@ use helmlink_wire::LinkId;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
 use crate::bridge::Bridge;
-use crate::link::{Hub, LinkEvent};
+use crate::link::{EndpointId, Hub, LinkEvent};
 
 /// Bytes put into one write at the most, so that a datagram stays below the usual path limit.
 const WRITE_LIMIT: usize = 1400;
@@ -20,8 +20,8 @@ const CROWDED_BYTES: usize = 16 * 1024;
 ///
 /// `now` is the time since the edge was started.
 pub trait Party {
-    /// A peer is there.
-    fn link_up(&mut self, now: Duration, link: LinkId);
+    /// A peer of an endpoint is there.
+    fn link_up(&mut self, now: Duration, link: LinkId, endpoint: EndpointId);
     /// A peer is gone.
     fn link_down(&mut self, now: Duration, link: LinkId);
     /// A peer has sent bytes; `is_datagram` when they are one whole datagram.
@@ -37,7 +37,7 @@ pub trait Party {
 }
 
 impl Party for Bridge {
-    fn link_up(&mut self, now: Duration, link: LinkId) {
+    fn link_up(&mut self, now: Duration, link: LinkId, _endpoint: EndpointId) {
         Self::link_up(self, now, link);
     }
 
@@ -167,8 +167,8 @@ impl<P: Party> Edge<P> {
     fn handle(&mut self, event: LinkEvent) -> Option<Seen> {
         let now = self.start.elapsed();
         match event {
-            LinkEvent::Up { link, peer, .. } => {
-                self.party.link_up(now, link);
+            LinkEvent::Up { link, endpoint, peer } => {
+                self.party.link_up(now, link, endpoint);
                 Some(Seen::Up(peer))
             }
             LinkEvent::Bytes { link, data, datagram } => {

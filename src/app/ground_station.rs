@@ -12,6 +12,7 @@ use helmlink_wire::dialect::HEARTBEAT_DATA;
 use helmlink_wire::{Encoder, Framer, Identity, LinkId, Message, enums};
 
 use super::edge::Party;
+use crate::link::EndpointId;
 use crate::vehicle::streams::command_long;
 use crate::vehicle::telemetry::{Sender, classify};
 use crate::vehicle::{StreamRequests, Telemetry};
@@ -187,7 +188,7 @@ fn is_due(last: &mut Option<Duration>, now: Duration) -> bool {
 }
 
 impl Party for GroundStation {
-    fn link_up(&mut self, _now: Duration, link: LinkId) {
+    fn link_up(&mut self, _now: Duration, link: LinkId, _endpoint: EndpointId) {
         self.link = Some(link);
     }
 

@@ -10,6 +10,7 @@ mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
+mod guarded;
 mod log_report;
 mod mission;
 mod paced_sitl;
@@ -21,6 +22,7 @@ mod result;
 mod scenario;
 mod simulate;
 mod sitl;
+mod state_dir;
 mod trial;
 mod world;
 

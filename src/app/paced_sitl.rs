@@ -7,6 +7,7 @@ use helmlink_wire::LinkId;
 use sha2::{Digest, Sha256};
 
 use super::edge::Party;
+use crate::link::EndpointId;
 use crate::simulation::closed_loop::LOOP;
 
 /// A boat that has fallen behind its pace by more than this much simulated time goes on from where it is:
@@ -125,7 +126,7 @@ impl PacedSitl {
 }
 
 impl Party for PacedSitl {
-    fn link_up(&mut self, _now: Duration, link: LinkId) {
+    fn link_up(&mut self, _now: Duration, link: LinkId, _endpoint: EndpointId) {
         self.sitl.link_up(link);
     }
 

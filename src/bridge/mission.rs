@@ -9,6 +9,8 @@ use helmlink_mission::route::Route;
 use helmlink_wire::{Identity, Message};
 
 use super::settings::MissionSource;
+use crate::control::Boat;
+use crate::pilot::MissionRun;
 
 /// How long to wait before an empty or unusable mission is asked for again.
 const RETRY: Duration = Duration::from_secs(5);
@@ -35,15 +37,17 @@ pub(super) struct MissionKeeper {
     download: Option<Download>,
     loaded: Option<Mission>,
     retry_at: Duration,
+    boat: Boat,
 }
 
 impl MissionKeeper {
-    pub(super) fn new(source: &MissionSource) -> Self {
+    pub(super) fn new(source: &MissionSource, boat: &Boat) -> Self {
         let (from_vehicle, given) = match source {
             MissionSource::Vehicle => (true, None),
             MissionSource::Given(mission) => (false, Some(mission.clone())),
         };
-        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO }
+        let boat = boat.clone();
+        Self { from_vehicle, given, download: None, loaded: None, retry_at: Duration::ZERO, boat }
     }
 
     /// A mission is there, and no newer one is being read.
@@ -111,7 +115,9 @@ impl MissionKeeper {
     }
 
     fn take_over(&mut self, now: Duration, mission: Mission) -> News {
-        match Route::from_mission(&mission) {
+        let route = Route::from_mission(&mission)
+            .and_then(|route| MissionRun::check(&route, &self.boat).map(|()| route));
+        match route {
             Ok(route) => {
                 self.loaded = Some(mission);
                 News::Loaded(route)

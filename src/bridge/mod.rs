@@ -11,6 +11,7 @@
 //! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
+//! | `actions` | commands of the mission that are the flight controller's |
 //! | `commands` | commands to the bridge itself |
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
 //! | `observing` | what the failsafes see |
@@ -22,6 +23,7 @@
 //! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
+mod actions;
 mod commands;
 pub mod controller_state;
 mod fence;
@@ -41,12 +43,14 @@ mod timesync;
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use helmlink_mission::route::Ending;
 use helmlink_wire::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet};
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
 pub use settings::{BridgeSettings, MissionSource};
 pub use status::{Event, Status};
 
+use self::actions::Actions;
 use self::commands::{Command, Order};
 use self::fence::FenceNews;
 use self::follow::CurrentItem;
@@ -65,7 +69,7 @@ use crate::pilot::{MissionRun, RunSettings};
 use crate::record::{ControlState, Header, Journal};
 use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
-use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
+use crate::vehicle::{Cadence, Mode, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
 pub const TICK: Duration = Duration::from_millis(20);
@@ -105,6 +109,7 @@ pub struct Bridge {
     output_ready: bool,
     mission: MissionKeeper,
     run: Option<MissionRun>,
+    actions: Actions,
     current: CurrentItem,
     supervisor: Supervisor,
     watch: Watch,
@@ -150,8 +155,9 @@ impl Bridge {
             output: Output::new(settings.output),
             // A shadow asks nothing, so there is nothing to wait for.
             output_ready: settings.shadow,
-            mission: MissionKeeper::new(&settings.mission),
+            mission: MissionKeeper::new(&settings.mission, &settings.boat),
             run: None,
+            actions: Actions::default(),
             current: CurrentItem::default(),
             supervisor: Supervisor::new(policy),
             watch: Watch::new(settings.failsafes.clone()),
@@ -551,9 +557,17 @@ impl Bridge {
             || (data.target_system, data.target_component) == (own.system, own.component);
         let refused =
             data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
-        if is_ours && refused {
+        if is_ours && self.actions.on_ack(data) {
+            self.tell_of_actions();
+        } else if is_ours && refused {
             let text = format!("command {} refused with MAV_RESULT {}", data.command, data.result);
             self.event(enums::MAV_SEVERITY_DEBUG, text);
+        }
+    }
+
+    fn tell_of_actions(&mut self) {
+        while let Some(outcome) = self.actions.poll_outcome() {
+            self.event(outcome.severity, outcome.text);
         }
     }
 
@@ -597,6 +611,10 @@ impl Bridge {
         while let Some(message) = self.current.poll(self.now, id) {
             self.links.send(link, own, &message);
         }
+        while let Some(message) = self.actions.poll(self.now, id) {
+            self.links.send(link, own, &message);
+        }
+        self.tell_of_actions();
     }
 
     fn check_output(&mut self) {
@@ -639,6 +657,9 @@ impl Bridge {
     fn take_mission_news(&mut self) {
         match self.mission.poll_news(self.now) {
             Some(News::Loaded(route)) => {
+                // To stay for ever at the end is the flight controller's to do: it goes on without the bridge.
+                let stays = route.ending == Ending::Loiter;
+                self.supervisor.set_end_mode(if stays { Mode::LOITER } else { self.settings.end_mode });
                 let text = format!("mission loaded: {} waypoints", route.waypoints.len());
                 let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };

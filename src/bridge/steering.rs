@@ -1,5 +1,7 @@
 //! One control step: supervise, compute, send.
 
+use helmlink_mission::plan::CommandName;
+use helmlink_mission::route::Action;
 use helmlink_wire::{Message, enums};
 
 use super::pace::Pace;
@@ -84,6 +86,9 @@ impl Bridge {
         }
         if transition.to != State::Engaged {
             self.current.clear();
+        }
+        if transition.from == State::Engaged && transition.reason != Reason::MissionComplete {
+            self.actions.clear();
         }
         if !matches!(transition.to, State::Engaged | State::HandingBack) {
             self.steering.pace.pause();
@@ -171,8 +176,11 @@ impl Bridge {
                     journal.stepped(&thought, named);
                 });
                 for index in step.reached.0..step.reached.1 {
+                    // A mission that repeats itself has a longer way to go again.
+                    self.watch.on_new_way();
                     self.on_waypoint_reached(index);
                 }
+                self.pass_on_tasks();
                 Some(step.demand)
             }
             Err(error) => {
@@ -182,6 +190,19 @@ impl Bridge {
                     self.event(enums::MAV_SEVERITY_ERROR, text);
                 }
                 None
+            }
+        }
+    }
+
+    /// Hands what the mission asks of the flight controller here to those who send it.
+    fn pass_on_tasks(&mut self) {
+        while let Some(task) = self.run.as_mut().and_then(MissionRun::pop_due_task) {
+            let Action::Command(command) = task.action else { continue };
+            if self.settings.shadow {
+                let name = CommandName(command.command);
+                self.event(enums::MAV_SEVERITY_INFO, format!("item {}: {name} would be sent", task.item));
+            } else {
+                self.actions.push(task.item, command);
             }
         }
     }

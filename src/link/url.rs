@@ -151,6 +151,13 @@ pub enum UrlError {
     },
 }
 
+impl LinkUrl {
+    /// Whether others come to this endpoint, rather than it going to them.
+    pub fn listens(&self) -> bool {
+        matches!(self, Self::UdpIn(_) | Self::TcpIn(_))
+    }
+}
+
 impl FromStr for LinkUrl {
     type Err = UrlError;
 

@@ -1,22 +1,29 @@
 //! One mission being driven.
 //!
 //! A mission is driven in stretches: a smooth path from where the boat is, through all waypoints up to the next
-//! one at which it has to stop. At each stop the boat waits as long as the mission says, then the next stretch
-//! begins at the place where it then is.
+//! one at which it has to stop, or around which it turns. At each stop the boat keeps its place as long as the
+//! mission says, then the next stretch begins at the place where it then is. Stern first, the law steers the
+//! boat's mirror image.
 
+use std::f64::consts::PI;
+
+use helmlink_mission::angle::ssa;
 use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
 use helmlink_mission::path::{Path, PathError};
-use helmlink_mission::route::Route;
+use helmlink_mission::route::{MERGE_DISTANCE_M, Route, RouteError, Task};
 
+use super::stretch::{AT_WAYPOINT_M, Stretch};
+use super::tasks::TaskList;
+use crate::control::boat::Actuators;
 use crate::control::{Boat, Controller, Diagnostics, Helm, HelmError};
 use crate::guidance::{EndOfPath, VesselState};
 use crate::vehicle::output::Demand;
 
-/// A stretch that would start closer than this to its first waypoint starts at the waypoint itself, metres.
-const AT_WAYPOINT_M: f64 = 1.0;
-/// A stretch is complete this far before its last waypoint at the latest, metres: a boat that stops cannot
-/// be expected to touch a point.
-const ARRIVAL_M: f64 = 0.5;
+/// A boat that waits lets itself drift this far before it drives back, metres, or its turning radius if that is
+/// larger: less would keep it turning all the time.
+const KEEP_WITHIN_M: f64 = 2.0;
+/// Stern first, the boat is not asked for more than this part of its largest speed: thrusters push worse astern.
+const ASTERN_SPEED_PART: f64 = 0.4;
 /// Steps longer than this are made as if they were this long, seconds: the law must not take a gap for motion.
 const LONGEST_STEP_S: f64 = 0.2;
 /// Steps shorter than this are not made, seconds.
@@ -64,17 +71,6 @@ pub struct Step {
     pub diagnostics: Diagnostics,
 }
 
-/// The path through the waypoints from one stop to the next.
-#[derive(Debug)]
-struct Stretch {
-    path: Path,
-    /// Index of the mission's waypoint at which the path ends.
-    last: usize,
-    /// Path point i is waypoint `offset + i`, minus one where the path starts at the boat.
-    first_waypoint: usize,
-    starts_at_boat: bool,
-}
-
 /// What the boat is doing.
 #[derive(Debug)]
 enum Phase {
@@ -82,8 +78,8 @@ enum Phase {
     ToStart,
     /// Driving a stretch.
     Driving(Stretch),
-    /// Stopped at a waypoint for so many more seconds.
-    Waiting(f64),
+    /// Keeping its place for so many more seconds, driving back to it when it has drifted.
+    Waiting { place: NorthEast, left_s: f64, back: Option<Path> },
     /// The last waypoint has been reached.
     Complete,
 }
@@ -100,12 +96,29 @@ pub struct MissionRun {
     helm: Helm,
     phase: Phase,
     next: usize,
+    tasks: TaskList,
+    /// The delay before setting out is over.
+    has_set_out: bool,
+    /// The waypoint at which the boat has stopped.
+    arrived_at: Option<usize>,
     last_step_s: Option<f64>,
     progress: Progress,
     stretches: usize,
 }
 
 impl MissionRun {
+    /// Whether `boat` can drive `route`.
+    ///
+    /// # Errors
+    /// The item that it cannot carry out.
+    pub fn check(route: &Route, boat: &Boat) -> Result<(), RouteError> {
+        let can_go_astern = matches!(boat.actuators, Actuators::TwinThrusters(_));
+        match route.waypoints.iter().find(|waypoint| waypoint.reverse && !can_go_astern) {
+            Some(waypoint) => Err(RouteError::Astern { item: waypoint.item }),
+            None => Ok(()),
+        }
+    }
+
     /// A run of `route` that has not begun.
     pub fn new(route: Route, boat: Boat, settings: RunSettings) -> Self {
         let origin = route.waypoints.first().map_or_else(|| Geodetic::new(0.0, 0.0), |first| first.position);
@@ -123,7 +136,11 @@ impl MissionRun {
             complete: false,
         };
         let helm = Helm::with_controller(&boat, settings.controller, EndOfPath::Stop);
+        let tasks = TaskList::new(&route);
         Self {
+            tasks,
+            has_set_out: false,
+            arrived_at: None,
             frame,
             route,
             waypoints,
@@ -176,21 +193,37 @@ impl MissionRun {
     /// mission is kept.
     pub fn engage(&mut self, state: &VesselState) -> Result<(), HelmError> {
         self.last_step_s = None;
-        let progress_m = match &self.phase {
-            Phase::Driving(stretch) => stretch.progress_near(state.position, self.next),
-            _ => 0.0,
-        };
-        self.helm.engage(state, progress_m)
+        match &mut self.phase {
+            Phase::Driving(stretch) => {
+                let progress_m = stretch.progress_near(state.position, self.next);
+                self.helm.engage(&facing(state, stretch.astern), progress_m)
+            }
+            Phase::Waiting { back, .. } => {
+                *back = None;
+                self.helm.engage(state, 0.0)
+            }
+            Phase::ToStart | Phase::Complete => self.helm.engage(state, 0.0),
+        }
     }
 
-    /// Goes on with waypoint `index`, from wherever the boat is. An index past the last one is ignored.
+    /// Goes on with waypoint `index`, from wherever the boat is; what the mission asks for on the way to it is
+    /// left out, unless it is the first. An index past the last one is ignored.
     pub fn jump_to(&mut self, index: usize) {
         if index < self.waypoints.len() {
             self.next = index;
             self.phase = Phase::ToStart;
+            self.has_set_out = index > 0;
+            self.arrived_at = None;
+            self.tasks.jump(&self.route, index);
             self.progress.next = index;
             self.progress.complete = false;
         }
+    }
+
+    /// The next thing to be passed on to the flight controller.
+    pub fn pop_due_task(&mut self) -> Option<Task> {
+        let index = self.tasks.pop_due()?;
+        self.route.tasks.get(index).copied()
     }
 
     /// One step at vehicle time `boot_s`, with the boat in `state`.
@@ -207,17 +240,22 @@ impl MissionRun {
         }
         let mut step =
             Step { demand: Demand::NEUTRAL, reached: (before, before), diagnostics: Diagnostics::default() };
-        match &mut self.phase {
+        match self.phase {
             Phase::Driving(_) => self.drive(dt_s, state, &mut step)?,
-            Phase::Waiting(left_s) => {
-                *left_s -= dt_s;
-                if *left_s <= 0.0 {
-                    self.phase = Phase::ToStart;
-                }
-            }
+            Phase::Waiting { .. } => self.wait(dt_s, state, &mut step)?,
             Phase::ToStart | Phase::Complete => {}
         }
         step.reached = (before, self.next);
+        if matches!(self.phase, Phase::Complete) {
+            self.tasks.finish(&self.route);
+        }
+        if self.next >= self.waypoints.len()
+            && let Some(first) = self.route.repeat_from
+        {
+            // Another round of a mission that never ends.
+            self.next = first;
+            self.tasks.repeat_from(&self.route, first);
+        }
         self.progress.next = self.next.min(self.waypoints.len().saturating_sub(1));
         self.progress.complete = matches!(self.phase, Phase::Complete);
         Ok(step)
@@ -225,8 +263,10 @@ impl MissionRun {
 
     fn drive(&mut self, dt_s: f64, state: &VesselState, step: &mut Step) -> Result<(), RunError> {
         let Phase::Driving(stretch) = &self.phase else { return Ok(()) };
-        let wanted_mps = self.leg_speed_mps(self.next).min(self.boat.limits.speed_max_mps);
-        let output = self.helm.step(dt_s, state, &stretch.path, wanted_mps)?;
+        let to_next_m = (self.waypoints[self.next] - state.position).norm();
+        self.tasks.step(&self.route, self.next, dt_s, to_next_m);
+        let wanted_mps = self.leg_speed_mps(stretch.astern);
+        let output = self.helm.step(dt_s, &facing(state, stretch.astern), &stretch.path, wanted_mps)?;
         let reference = &output.diagnostics.reference;
         step.diagnostics = output.diagnostics;
         step.demand = Demand {
@@ -235,56 +275,105 @@ impl MissionRun {
             speed_mps: output.diagnostics.law.alpha_u_mps,
             yaw_rate_radps: output.diagnostics.law.alpha_r_radps,
         };
+        if stretch.astern {
+            step.demand.throttle = -step.demand.throttle;
+            step.demand.speed_mps = -step.demand.speed_mps;
+        }
         let place_m = reference.progress_m;
-        while self.next < stretch.last && place_m >= stretch.arc_length_m(self.next) {
+        while self.next < stretch.last && self.has_reached(stretch, place_m, state.position) {
             self.next += 1;
         }
         let has_left = place_m >= stretch.path.leaving_s_m(stretch.point_index(self.next));
         self.progress.leg = if has_left { Some(self.next) } else { self.next.checked_sub(1) };
-        let to_stop_m = stretch.path.length_m() - place_m;
         self.progress.cross_track_m = reference.cross_track_m;
         self.progress.speed_mps = state.surge_mps.hypot(state.sway_mps);
         self.progress.wanted_speed_mps = wanted_mps;
-        self.progress.to_go_m = to_stop_m.max(0.0) + self.straight_distance_m(stretch.last);
-        if reference.finished || to_stop_m <= ARRIVAL_M {
+        self.progress.to_go_m = stretch.to_go_m(place_m) + self.straight_distance_m(stretch.last);
+        if reference.finished || stretch.is_complete(place_m) {
             self.arrive(stretch.last);
+        }
+        Ok(())
+    }
+
+    /// Whether the next waypoint, one of those that are passed, has been: abeam of it, or within its acceptance
+    /// radius.
+    fn has_reached(&self, stretch: &Stretch, place_m: f64, position: NorthEast) -> bool {
+        let left_m = stretch.arc_length_m(self.next) - place_m;
+        let radius_m = self.route.waypoints[self.next].acceptance_radius_m.unwrap_or(0.0);
+        // Along the path as well: another leg may pass close by.
+        left_m <= 0.0 || (left_m <= radius_m && (self.waypoints[self.next] - position).norm() <= radius_m)
+    }
+
+    /// Keeps the place: lets the boat drift a little, then drives it back.
+    fn wait(&mut self, dt_s: f64, state: &VesselState, step: &mut Step) -> Result<(), RunError> {
+        let wanted_mps = self.settings.speed_mps.min(self.boat.limits.cruise_mps);
+        let Phase::Waiting { place, left_s, back } = &mut self.phase else { return Ok(()) };
+        *left_s -= dt_s;
+        if *left_s <= 0.0 {
+            self.phase = Phase::ToStart;
+            return Ok(());
+        }
+        let off_m = (*place - state.position).norm();
+        self.progress.cross_track_m = 0.0;
+        self.progress.speed_mps = state.surge_mps.hypot(state.sway_mps);
+        if back.is_none() && off_m > KEEP_WITHIN_M.max(self.boat.limits.turn_radius_m) {
+            *back = Some(Path::through(&[state.position, *place], &self.boat.limits.path())?);
+            self.helm.engage(state, 0.0)?;
+        }
+        if let Some(path) = back {
+            let output = self.helm.step(dt_s, state, path, wanted_mps)?;
+            step.diagnostics = output.diagnostics;
+            step.demand = Demand {
+                throttle: output.command.throttle,
+                steering: output.command.steering,
+                speed_mps: output.diagnostics.law.alpha_u_mps,
+                yaw_rate_radps: output.diagnostics.law.alpha_r_radps,
+            };
+            if output.diagnostics.reference.finished || off_m < AT_WAYPOINT_M {
+                *back = None;
+            }
         }
         Ok(())
     }
 
     /// The boat has come to the end of a stretch, at waypoint `index`.
     fn arrive(&mut self, index: usize) {
+        let hold_s = self.route.waypoints[index].hold_s;
+        self.arrived_at = Some(index);
         self.next = index + 1;
-        self.phase = if self.next < self.waypoints.len() {
-            Phase::Waiting(self.route.waypoints[index].hold_s)
+        self.phase = if hold_s > 0.0 {
+            Phase::Waiting { place: self.waypoints[index], left_s: hold_s, back: None }
+        } else if self.next < self.waypoints.len() || self.route.repeat_from.is_some() {
+            Phase::ToStart
         } else {
             Phase::Complete
         };
     }
 
     fn start_stretch(&mut self, state: &VesselState) -> Result<(), RunError> {
-        let last = (self.next..self.waypoints.len())
-            .find(|&index| self.route.waypoints[index].hold_s > 0.0)
-            .unwrap_or(self.waypoints.len().saturating_sub(1));
-        let Some(first) = self.waypoints.get(self.next) else {
+        if !std::mem::replace(&mut self.has_set_out, true) && self.route.start_delay_s > 0.0 {
+            let left_s = self.route.start_delay_s;
+            self.phase = Phase::Waiting { place: state.position, left_s, back: None };
+            return Ok(());
+        }
+        if self.next >= self.waypoints.len() {
             self.phase = Phase::Complete;
             return Ok(());
-        };
-        let is_there = (*first - state.position).norm() < AT_WAYPOINT_M;
-        if is_there && self.next == last {
-            self.arrive(last);
+        }
+        if self.is_same_place_again() {
+            self.arrive_at_once();
             return Ok(());
         }
-        let mut points = Vec::with_capacity(self.waypoints.len() + 1);
-        if !is_there {
-            points.push(state.position);
+        let limits = self.boat.limits.path();
+        match Stretch::from(state.position, self.next, &self.route.waypoints, &self.waypoints, &limits)? {
+            Some(stretch) => {
+                self.helm.engage(&facing(state, stretch.astern), 0.0)?;
+                self.arrived_at = None;
+                self.phase = Phase::Driving(stretch);
+                self.stretches += 1;
+            }
+            None => self.arrive_at_once(),
         }
-        points.extend_from_slice(&self.waypoints[self.next..=last]);
-        let path = Path::through(&points, &self.boat.limits.path())?;
-        let stretch = Stretch { path, last, first_waypoint: self.next, starts_at_boat: !is_there };
-        self.helm.engage(state, 0.0)?;
-        self.phase = Phase::Driving(stretch);
-        self.stretches += 1;
         Ok(())
     }
 
@@ -308,13 +397,25 @@ impl MissionRun {
         self.speed_mps = speed_mps;
     }
 
-    /// The speed wanted on the leg to waypoint `index`.
-    fn leg_speed_mps(&self, index: usize) -> f64 {
-        if let Some(speed_mps) = self.speed_mps {
-            return speed_mps;
-        }
-        let given = self.route.waypoints.get(index).and_then(|waypoint| waypoint.speed_mps);
-        given.unwrap_or(self.settings.speed_mps)
+    /// The next waypoint is where the boat has just arrived: it has not to touch the place once more.
+    fn is_same_place_again(&self) -> bool {
+        let Some(arrived) = self.arrived_at else { return false };
+        let apart_m = (self.waypoints[self.next] - self.waypoints[arrived]).norm();
+        apart_m < MERGE_DISTANCE_M && self.route.waypoints[self.next].circle.is_none()
+    }
+
+    /// There already: what is to be done on the way is due at once.
+    fn arrive_at_once(&mut self) {
+        self.tasks.step(&self.route, self.next, 0.0, 0.0);
+        self.arrive(self.next);
+    }
+
+    /// The speed wanted on the leg to the next waypoint.
+    fn leg_speed_mps(&self, astern: bool) -> f64 {
+        let given = self.route.waypoints.get(self.next).and_then(|waypoint| waypoint.speed_mps);
+        let given = self.speed_mps.or(self.tasks.speed_mps().unwrap_or(given));
+        let most_mps = self.boat.limits.speed_max_mps * if astern { ASTERN_SPEED_PART } else { 1.0 };
+        given.unwrap_or(self.settings.speed_mps).min(most_mps)
     }
 
     fn straight_distance_m(&self, from: usize) -> f64 {
@@ -322,22 +423,16 @@ impl MissionRun {
     }
 }
 
-impl Stretch {
-    /// The path's number of the mission's waypoint `index`.
-    fn point_index(&self, index: usize) -> usize {
-        index.saturating_sub(self.first_waypoint) + usize::from(self.starts_at_boat)
+/// The boat as the law is to see it: as it is, or its mirror image with the bow where the stern is.
+fn facing(state: &VesselState, astern: bool) -> VesselState {
+    if !astern {
+        return *state;
     }
-
-    /// Arc length at which the boat is abeam of the mission's waypoint `index`.
-    fn arc_length_m(&self, index: usize) -> f64 {
-        self.path.waypoint_s_m(self.point_index(index))
-    }
-
-    /// Where on the path a boat at `position` is that is under way to waypoint `next`.
-    fn progress_near(&self, position: NorthEast, next: usize) -> f64 {
-        let end_m = self.arc_length_m(next.max(self.first_waypoint));
-        let start_m = if next > self.first_waypoint { self.arc_length_m(next - 1) } else { 0.0 };
-        self.path.project(position, 0.5 * (start_m + end_m)).clamp(start_m, end_m)
+    VesselState {
+        heading_rad: ssa(state.heading_rad + PI),
+        surge_mps: -state.surge_mps,
+        sway_mps: -state.sway_mps,
+        ..*state
     }
 }
 

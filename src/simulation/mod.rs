@@ -28,3 +28,6 @@ pub use recorder::RunRecorder;
 pub use scenario::Scenario;
 pub use score::{Sample, Score, Scorer};
 pub use trial::{Trial, TrialError};
+
+#[cfg(test)]
+mod mission_tests;

@@ -104,7 +104,8 @@ impl Trial {
     pub fn limit(&self) -> Duration {
         let points = std::iter::once(self.home).chain(self.route.waypoints.iter().map(|w| w.position));
         let points: Vec<Geodetic> = points.collect();
-        let distance_m: f64 = points.windows(2).map(|leg| leg[0].distance_m(leg[1])).sum();
+        let legs_m: f64 = points.windows(2).map(|leg| leg[0].distance_m(leg[1])).sum();
+        let distance_m = legs_m + self.route.circles_m();
         let hold_s: f64 = self.route.waypoints.iter().map(|w| w.hold_s).sum();
         Duration::from_secs_f64(PATIENCE * distance_m / self.wanted_speed_mps() + hold_s + GRACE_S)
     }

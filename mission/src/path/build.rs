@@ -89,15 +89,15 @@ fn describe(waypoint: usize, turn_rad: f64, shape: Option<(CornerShape, f64)>) -
 }
 
 /// Draws segment after segment.
-struct Pen {
-    segments: Vec<Segment>,
-    position: NorthEast,
-    heading_rad: f64,
-    s_m: f64,
+pub(super) struct Pen {
+    pub(super) segments: Vec<Segment>,
+    pub(super) position: NorthEast,
+    pub(super) heading_rad: f64,
+    pub(super) s_m: f64,
 }
 
 impl Pen {
-    fn at(position: NorthEast, heading_rad: f64) -> Self {
+    pub(super) fn at(position: NorthEast, heading_rad: f64) -> Self {
         Self { segments: Vec::new(), position, heading_rad, s_m: 0.0 }
     }
 
@@ -109,7 +109,7 @@ impl Pen {
     }
 
     /// A straight piece, whatever its length: a path ends in one, and goes on along it.
-    fn last_line_to(&mut self, end: NorthEast) {
+    pub(super) fn last_line_to(&mut self, end: NorthEast) {
         self.draw((end - self.position).norm(), Shape::Line);
         self.position = end;
     }
@@ -134,7 +134,7 @@ impl Pen {
         self.draw(turn.clothoid_m, Shape::Exit { sharpness_radpm2 });
     }
 
-    fn draw(&mut self, length_m: f64, shape: Shape) {
+    pub(super) fn draw(&mut self, length_m: f64, shape: Shape) {
         let segment = Segment::new(self.s_m, self.position, self.heading_rad, length_m, shape);
         let end = segment.point(length_m);
         self.segments.push(segment);

@@ -7,6 +7,7 @@
 //! one turning radius of its legs and never goes beyond the waypoint.
 
 mod build;
+mod circle;
 mod clothoid;
 mod corner;
 mod limits;
@@ -14,6 +15,7 @@ mod project;
 mod segment;
 mod turn;
 
+pub use circle::Orbit;
 pub use corner::{Corner, HAIRPIN_RAD};
 pub use limits::{LimitsError, PathLimits};
 pub use project::PROJECTION_WINDOW_M;
@@ -55,6 +57,14 @@ pub enum PathError {
         next = .0 + 1
     )]
     Coincident(usize),
+    /// A place to turn around that is too close to the point before it.
+    #[error(
+        "point {0} lies within the circle to be run after it: begin the circle from where the boat then is"
+    )]
+    InCircle(usize),
+    /// A circle without a usable radius, in metres.
+    #[error("a circle cannot have a radius of {0} m")]
+    Orbit(f64),
     /// The limits are unusable.
     #[error(transparent)]
     Limits(#[from] LimitsError),

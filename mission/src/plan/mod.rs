@@ -6,6 +6,7 @@
 mod command;
 mod csv;
 mod decimal;
+mod diff;
 mod error;
 pub(crate) mod fence;
 mod format;
@@ -25,6 +26,7 @@ use std::str::FromStr;
 use helmlink_wire::enums::MAV_FRAME_GLOBAL_RELATIVE_ALT;
 
 pub use command::CommandName;
+pub use diff::{Difference, canonical, differences};
 pub use error::{Fault, Place, PlanError};
 pub use fence::{Area, Fence, Outline, RallyPoint};
 pub use format::{Format, Loss};

@@ -15,8 +15,8 @@ pub enum RouteError {
     TooLong(usize),
     /// A command a boat here cannot carry out.
     #[error(
-        "item {item}: {command} is not supported on this boat; take it out of the mission (supported: \
-         NAV_WAYPOINT, DO_CHANGE_SPEED, NAV_DELAY, and NAV_LOITER_UNLIM or NAV_RETURN_TO_LAUNCH at the end)"
+        "item {item}: {command} cannot be carried out on a boat here; take it out of the mission (what can be is \
+         listed in docs/missions.md: waypoints, loiters, speeds, delays, jumps, conditions, servos, relays, cameras)"
     )]
     Unsupported {
         /// Sequence number.
@@ -68,6 +68,50 @@ pub enum RouteError {
         value: f32,
         /// What belongs there.
         expected: &'static str,
+    },
+    /// A delay that is no length of time.
+    #[error("item {item}: the delay of {command} is {value}, expected seconds to wait: {why_not}")]
+    Delay {
+        /// Sequence number.
+        item: u16,
+        /// What it commands.
+        command: CommandName,
+        /// Its value.
+        value: f32,
+        /// Why not.
+        why_not: &'static str,
+    },
+    /// To stay where the boat is, before it has been anywhere.
+    #[error(
+        "item {item}: it is to be done where the boat then is, but no waypoint comes before it: give it a position"
+    )]
+    NowhereYet {
+        /// Sequence number.
+        item: u16,
+    },
+    /// Jumps that make the mission longer than can be.
+    #[error(
+        "item {item}: with all jumps the mission has more than 65535 waypoints: let it jump less often, or for ever (−1)"
+    )]
+    TooManyVisits {
+        /// Sequence number.
+        item: u16,
+    },
+    /// A jump for ever over no waypoint.
+    #[error(
+        "item {item}: it jumps for ever without going anywhere: put two waypoints between it and its target, or use NAV_LOITER_UNLIM"
+    )]
+    LoopWithoutWaypoint {
+        /// Sequence number.
+        item: u16,
+    },
+    /// Stern first with a boat that cannot steer so.
+    #[error(
+        "item {item}: the boat is to go stern first there, but only boats with two thrusters can be steered so: take MAV_CMD_DO_SET_REVERSE (194) out"
+    )]
+    Astern {
+        /// Sequence number.
+        item: u16,
     },
     /// An item after one that never ends.
     #[error("item {item}: {command} is never reached, because item {last} ends the mission: take it out")]

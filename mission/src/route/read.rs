@@ -1,165 +1,112 @@
-//! From mission items to a route.
+//! From mission items to a route: every item is understood first, then the mission is walked through.
+
+use std::collections::HashMap;
 
 use helmlink_wire::enums::*;
 
-use super::{Ending, MAX_DISTANCE_M, MERGE_DISTANCE_M, Route, RouteError, Waypoint};
+use super::walk::Walk;
+use super::{Action, Circle, DEFAULT_CIRCLE_RADIUS_M, Route, RouteError};
 use crate::geodesy::Geodetic;
 use crate::plan::{CommandName, Item, Mission};
 
-impl Route {
-    /// What `mission` means to a boat.
-    ///
-    /// | command | meaning |
-    /// |---|---|
-    /// | NAV_WAYPOINT | go there, count it reached within parameter 2 (0: the vehicle's radius), wait parameter 1 seconds |
-    /// | DO_CHANGE_SPEED | parameter 2 m/s from here on, through water and over ground alike; −1 no change, −2 the vehicle's own |
-    /// | NAV_DELAY | wait parameter 1 seconds more |
-    /// | NAV_LOITER_UNLIM, last | go there (0, 0: stay) and keep the position |
-    /// | NAV_RETURN_TO_LAUNCH, last | go home |
-    ///
-    /// Yaw, altitude and autocontinue mean nothing to a boat, and ArduPilot's own boats ignore them.
-    ///
-    /// # Errors
-    /// The first item that cannot be carried out, and what to do about it.
-    pub fn from_mission(mission: &Mission) -> Result<Self, RouteError> {
-        let mut reader = Reader::new(mission.home);
-        for (index, item) in mission.items.iter().enumerate() {
-            let number = u16::try_from(index + 1).map_err(|_| RouteError::TooLong(mission.items.len()))?;
-            reader.take(number, item)?;
-        }
-        reader.finish()
-    }
-}
-
-struct Reader {
-    route: Route,
-    speed_mps: Option<f64>,
-    ended_by: Option<u16>,
-}
-
-impl Reader {
-    fn new(home: Option<Geodetic>) -> Self {
-        let home = home.filter(|home| home.is_valid());
-        let route = Route { home, start_delay_s: 0.0, waypoints: Vec::new(), ending: Ending::Hold };
-        Self { route, speed_mps: None, ended_by: None }
-    }
-
-    fn take(&mut self, number: u16, item: &Item) -> Result<(), RouteError> {
-        let here = Here { number, item };
-        if let Some(last) = self.ended_by {
-            return Err(RouteError::AfterTheEnd { item: number, command: here.command(), last });
-        }
-        match item.command {
-            MAV_CMD_NAV_WAYPOINT => self.waypoint(here),
-            MAV_CMD_DO_CHANGE_SPEED => self.change_speed(here),
-            MAV_CMD_NAV_DELAY => self.delay(here),
-            MAV_CMD_NAV_LOITER_UNLIM => self.loiter(here),
-            MAV_CMD_NAV_RETURN_TO_LAUNCH => self.return_to_launch(here),
-            _ => Err(RouteError::Unsupported { item: number, command: here.command() }),
-        }
-    }
-
-    fn finish(self) -> Result<Route, RouteError> {
-        if self.route.waypoints.is_empty() { Err(RouteError::NoWaypoint) } else { Ok(self.route) }
-    }
-
-    fn waypoint(&mut self, here: Here<'_>) -> Result<(), RouteError> {
-        let waypoint = Waypoint {
-            item: here.number,
-            position: here.position()?,
-            acceptance_radius_m: Some(here.duration_or_length(1, "the acceptance radius")?)
-                .filter(|radius_m| *radius_m > 0.0),
-            hold_s: here.duration_or_length(0, "the hold time")?,
-            speed_mps: self.speed_mps,
-        };
-        self.push(waypoint)
-    }
-
-    fn change_speed(&mut self, here: Here<'_>) -> Result<(), RouteError> {
-        let [kind, speed_mps, ..] = here.item.params;
-        let kinds = [SPEED_TYPE_AIRSPEED, SPEED_TYPE_GROUNDSPEED].map(f32::from);
-        if !kinds.contains(&kind) {
-            return Err(here.fault("the speed type", kind, "0 or 1: a boat has no climb or descent speed"));
-        }
-        if speed_mps > 0.0 && speed_mps.is_finite() {
-            self.speed_mps = Some(f64::from(speed_mps));
-        } else if speed_mps == USE_DEFAULT_SPEED {
-            self.speed_mps = None;
-        } else if speed_mps != KEEP_SPEED {
-            let expected = "a speed above 0 m/s (−1 keeps the speed, −2 is the vehicle's own)";
-            return Err(here.fault("the speed", speed_mps, expected));
-        }
-        Ok(())
-    }
-
-    fn delay(&mut self, here: Here<'_>) -> Result<(), RouteError> {
-        if here.item.params[0] < 0.0 {
-            let expected = "seconds to wait: delays until a time of day are not supported";
-            return Err(here.fault("the delay", here.item.params[0], expected));
-        }
-        let delay_s = here.duration_or_length(0, "the delay")?;
-        match self.route.waypoints.last_mut() {
-            Some(waypoint) => waypoint.hold_s += delay_s,
-            None => self.route.start_delay_s += delay_s,
-        }
-        Ok(())
-    }
-
-    fn loiter(&mut self, here: Here<'_>) -> Result<(), RouteError> {
-        self.end(here.number, Ending::Loiter);
-        let is_here = here.item.x == 0 && here.item.y == 0;
-        if is_here && !self.route.waypoints.is_empty() {
-            return Ok(());
-        }
-        let position = here.position()?;
-        self.push(self.plain_waypoint(here.number, position))
-    }
-
-    fn return_to_launch(&mut self, here: Here<'_>) -> Result<(), RouteError> {
-        self.end(here.number, Ending::ReturnToLaunch);
-        let home = self.route.home.ok_or(RouteError::NoHome { item: here.number })?;
-        self.push(self.plain_waypoint(here.number, home))
-    }
-
-    fn end(&mut self, number: u16, ending: Ending) {
-        self.ended_by = Some(number);
-        self.route.ending = ending;
-    }
-
-    fn plain_waypoint(&self, item: u16, position: Geodetic) -> Waypoint {
-        Waypoint { item, position, acceptance_radius_m: None, hold_s: 0.0, speed_mps: self.speed_mps }
-    }
-
-    /// Adds a waypoint, or merges it with the last when that is at the same place.
-    fn push(&mut self, waypoint: Waypoint) -> Result<(), RouteError> {
-        self.check_distance(&waypoint)?;
-        match self.route.waypoints.last_mut() {
-            Some(last) if last.position.distance_m(waypoint.position) < MERGE_DISTANCE_M => {
-                last.item = waypoint.item;
-                last.hold_s += waypoint.hold_s;
-                last.acceptance_radius_m = smaller(last.acceptance_radius_m, waypoint.acceptance_radius_m);
-            }
-            _ => self.route.waypoints.push(waypoint),
-        }
-        Ok(())
-    }
-
-    fn check_distance(&self, waypoint: &Waypoint) -> Result<(), RouteError> {
-        let first = self.route.waypoints.first().map(|first| (first.position, "the first waypoint"));
-        let Some((reference, from)) = self.route.home.map(|home| (home, "home")).or(first) else {
-            return Ok(());
-        };
-        let distance_m = reference.distance_m(waypoint.position);
-        if distance_m > MAX_DISTANCE_M {
-            return Err(RouteError::TooFar { item: waypoint.item, distance_km: distance_m / 1e3, from });
-        }
-        Ok(())
-    }
-}
+/// Commands that are passed on to the flight controller at their place in the mission.
+const PASSED_ON: [u16; 25] = [
+    MAV_CMD_DO_SET_HOME,
+    MAV_CMD_DO_SET_RELAY,
+    MAV_CMD_DO_REPEAT_RELAY,
+    MAV_CMD_DO_SET_SERVO,
+    MAV_CMD_DO_REPEAT_SERVO,
+    MAV_CMD_DO_SET_ROI_LOCATION,
+    MAV_CMD_DO_SET_ROI_NONE,
+    MAV_CMD_DO_SET_ROI,
+    MAV_CMD_DO_DIGICAM_CONFIGURE,
+    MAV_CMD_DO_DIGICAM_CONTROL,
+    MAV_CMD_DO_MOUNT_CONTROL,
+    MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+    MAV_CMD_DO_SET_CAM_TRIGG_INTERVAL,
+    MAV_CMD_DO_FENCE_ENABLE,
+    MAV_CMD_DO_GRIPPER,
+    MAV_CMD_DO_SPRAYER,
+    MAV_CMD_DO_SEND_SCRIPT_MESSAGE,
+    MAV_CMD_DO_AUX_FUNCTION,
+    MAV_CMD_DO_ENGINE_CONTROL,
+    MAV_CMD_DO_WINCH,
+    MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
+    MAV_CMD_IMAGE_START_CAPTURE,
+    MAV_CMD_IMAGE_STOP_CAPTURE,
+    MAV_CMD_VIDEO_START_CAPTURE,
+    MAV_CMD_VIDEO_STOP_CAPTURE,
+];
 
 /// Speeds of MAV_CMD_DO_CHANGE_SPEED with a meaning of their own.
 const KEEP_SPEED: f32 = -1.0;
 const USE_DEFAULT_SPEED: f32 = -2.0;
+/// Repetitions of MAV_CMD_DO_JUMP that never end.
+const FOR_EVER: f32 = -1.0;
+/// More turns than this around a place are a slip of the keyboard.
+const MOST_TURNS: f32 = 1000.0;
+/// Circles smaller than this cannot be told from a point, metres.
+const LEAST_RADIUS_M: f64 = 0.5;
+
+impl Route {
+    /// What `mission` means to a boat. `docs/missions.md` lists every command; yaw, altitude and autocontinue
+    /// mean nothing to a boat, and ArduPilot's own boats ignore them.
+    ///
+    /// # Errors
+    /// The first item that cannot be carried out, and what to do about it.
+    pub fn from_mission(mission: &Mission) -> Result<Self, RouteError> {
+        let count = mission.items.len();
+        let tags = tags(&mission.items);
+        let mut steps = Vec::with_capacity(count);
+        for (index, item) in mission.items.iter().enumerate() {
+            let number = u16::try_from(index + 1).map_err(|_| RouteError::TooLong(count))?;
+            let here = Here { number, item };
+            steps.push((here.command(), here.step(count, &tags)?));
+        }
+        Walk::through(mission.home.filter(|home| home.is_valid()), &steps)
+    }
+}
+
+/// What one item asks for, checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Step {
+    /// Go to a place; the place of the waypoint before where there is none.
+    Visit(Visit),
+    /// This speed from now on; none for the vehicle's own.
+    Speed(Option<f64>),
+    /// Wait, seconds.
+    Delay(f64),
+    /// Stern first from now on, or bow first.
+    Reverse(bool),
+    /// Something on the way.
+    Do(Action),
+    /// Go on with another item, so many times; none for ever.
+    Jump { to: u16, times: Option<u32> },
+    /// Nothing by itself.
+    Nothing,
+    /// Keep the position for ever, at a place or where the boat then is.
+    Stay(Option<Geodetic>),
+    /// Go home.
+    Home,
+}
+
+/// Going to a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Visit {
+    pub(super) place: Option<Geodetic>,
+    pub(super) radius_m: Option<f64>,
+    pub(super) hold_s: f64,
+    pub(super) circle: Option<Circle>,
+}
+
+/// Sequence number of every tag.
+fn tags(items: &[Item]) -> HashMap<u32, u16> {
+    let numbered = (1..=u16::MAX).zip(items);
+    numbered
+        .filter(|(_, item)| item.command == MAV_CMD_JUMP_TAG)
+        .map(|(number, item)| (item.params[0].to_bits(), number))
+        .collect()
+}
 
 /// The item being read.
 #[derive(Clone, Copy)]
@@ -169,11 +116,138 @@ struct Here<'a> {
 }
 
 impl Here<'_> {
-    fn command(&self) -> CommandName {
+    fn step(self, count: usize, tags: &HashMap<u32, u16>) -> Result<Step, RouteError> {
+        match self.item.command {
+            MAV_CMD_NAV_WAYPOINT => self.waypoint(),
+            MAV_CMD_NAV_LOITER_TIME => self.loiter_time(),
+            MAV_CMD_NAV_LOITER_TURNS => self.loiter_turns(),
+            MAV_CMD_NAV_LOITER_UNLIM => Ok(Step::Stay(self.place_or_here()?)),
+            MAV_CMD_NAV_RETURN_TO_LAUNCH => Ok(Step::Home),
+            MAV_CMD_NAV_DELAY => self.delay("delays until a time of day are not supported").map(Step::Delay),
+            MAV_CMD_DO_CHANGE_SPEED => self.change_speed(),
+            MAV_CMD_DO_SET_REVERSE => self.reverse(),
+            MAV_CMD_CONDITION_DELAY => {
+                self.delay("a condition cannot wait for the past").map(|s| Step::Do(Action::Delay(s)))
+            }
+            MAV_CMD_CONDITION_DISTANCE => {
+                self.duration_or_length(0, "the distance").map(|m| Step::Do(Action::Distance(m)))
+            }
+            MAV_CMD_DO_JUMP => self.jump(count),
+            MAV_CMD_DO_JUMP_TAG => self.jump_to_tag(tags),
+            MAV_CMD_JUMP_TAG => Ok(Step::Nothing),
+            command if PASSED_ON.contains(&command) => Ok(Step::Do(Action::Command(*self.item))),
+            _ => Err(RouteError::Unsupported { item: self.number, command: self.command() }),
+        }
+    }
+
+    fn waypoint(self) -> Result<Step, RouteError> {
+        Ok(Step::Visit(Visit {
+            place: Some(self.position()?),
+            radius_m: Some(self.duration_or_length(1, "the acceptance radius")?).filter(|m| *m > 0.0),
+            hold_s: self.duration_or_length(0, "the hold time")?,
+            circle: None,
+        }))
+    }
+
+    fn loiter_time(self) -> Result<Step, RouteError> {
+        let hold_s = self.duration_or_length(0, "the time")?;
+        Ok(Step::Visit(Visit { place: self.place_or_here()?, radius_m: None, hold_s, circle: None }))
+    }
+
+    fn loiter_turns(self) -> Result<Step, RouteError> {
+        let turns = self.duration_or_length(0, "the number of turns")?;
+        if turns > f64::from(MOST_TURNS) {
+            return Err(self.fault("the number of turns", self.item.params[0], "at most 1000"));
+        }
+        let radius = self.item.params[2];
+        if radius.is_infinite() {
+            return Err(self.fault("the radius", radius, "metres, negative for turns to port"));
+        }
+        let radius_m =
+            if radius.is_nan() || radius == 0.0 { DEFAULT_CIRCLE_RADIUS_M } else { f64::from(radius.abs()) };
+        if radius_m < LEAST_RADIUS_M {
+            return Err(self.fault("the radius", radius, "0 (the usual one) or at least 0.5 m"));
+        }
+        let clockwise = radius.is_nan() || radius >= 0.0;
+        let circle = (turns > 0.0).then_some(Circle { radius_m, turns, clockwise });
+        Ok(Step::Visit(Visit { place: self.place_or_here()?, radius_m: None, hold_s: 0.0, circle }))
+    }
+
+    fn change_speed(self) -> Result<Step, RouteError> {
+        let [kind, speed_mps, ..] = self.item.params;
+        let kinds = [SPEED_TYPE_AIRSPEED, SPEED_TYPE_GROUNDSPEED].map(f32::from);
+        if !kinds.contains(&kind) {
+            return Err(self.fault("the speed type", kind, "0 or 1: a boat has no climb or descent speed"));
+        }
+        if speed_mps > 0.0 && speed_mps.is_finite() {
+            Ok(Step::Speed(Some(f64::from(speed_mps))))
+        } else if speed_mps == USE_DEFAULT_SPEED {
+            Ok(Step::Speed(None))
+        } else if speed_mps == KEEP_SPEED {
+            Ok(Step::Nothing)
+        } else {
+            let expected = "a speed above 0 m/s (−1 keeps the speed, −2 is the vehicle's own)";
+            Err(self.fault("the speed", speed_mps, expected))
+        }
+    }
+
+    fn reverse(self) -> Result<Step, RouteError> {
+        match self.item.params[0] {
+            0.0 => Ok(Step::Reverse(false)),
+            1.0 => Ok(Step::Reverse(true)),
+            other => Err(self.fault("the direction", other, "0 (bow first) or 1 (stern first)")),
+        }
+    }
+
+    fn delay(self, why_not: &'static str) -> Result<f64, RouteError> {
+        if self.item.params[0] < 0.0 {
+            return Err(RouteError::Delay {
+                item: self.number,
+                command: self.command(),
+                value: self.item.params[0],
+                why_not,
+            });
+        }
+        self.duration_or_length(0, "the delay")
+    }
+
+    fn jump(self, count: usize) -> Result<Step, RouteError> {
+        let target = self.item.params[0];
+        let exists = target.fract() == 0.0 && target >= 1.0 && f64::from(target) <= count as f64;
+        if !exists || target == f32::from(self.number) {
+            return Err(self.fault("the target", target, "the number of another item of this mission"));
+        }
+        Ok(Step::Jump { to: target as u16, times: self.times(1)? })
+    }
+
+    fn jump_to_tag(self, tags: &HashMap<u32, u16>) -> Result<Step, RouteError> {
+        let tag = self.item.params[0];
+        let to = tags.get(&tag.to_bits());
+        let to = to.ok_or_else(|| self.fault("the tag", tag, "that of a MAV_CMD_JUMP_TAG (600)"))?;
+        Ok(Step::Jump { to: *to, times: self.times(1)? })
+    }
+
+    fn times(self, index: usize) -> Result<Option<u32>, RouteError> {
+        let times = self.item.params[index];
+        if times == FOR_EVER {
+            Ok(None)
+        } else if times >= 0.0 && times.fract() == 0.0 && times <= 65535.0 {
+            Ok(Some(times as u32))
+        } else {
+            Err(self.fault("the number of repetitions", times, "a whole number from 0 up, or −1 for ever"))
+        }
+    }
+
+    fn command(self) -> CommandName {
         CommandName(self.item.command)
     }
 
-    fn position(&self) -> Result<Geodetic, RouteError> {
+    /// None at 0, 0: where the boat then is.
+    fn place_or_here(self) -> Result<Option<Geodetic>, RouteError> {
+        if self.item.x == 0 && self.item.y == 0 { Ok(None) } else { self.position().map(Some) }
+    }
+
+    fn position(self) -> Result<Geodetic, RouteError> {
         let [latitude_deg, longitude_deg] = self.item.coordinates();
         self.item.position().ok_or(RouteError::NoPosition {
             item: self.number,
@@ -184,8 +258,8 @@ impl Here<'_> {
         })
     }
 
-    /// A parameter of seconds or metres, NaN meaning 0.
-    fn duration_or_length(&self, index: usize, parameter: &'static str) -> Result<f64, RouteError> {
+    /// A parameter of seconds, metres or turns, NaN meaning 0.
+    fn duration_or_length(self, index: usize, parameter: &'static str) -> Result<f64, RouteError> {
         let value = self.item.params[index];
         if value.is_nan() {
             Ok(0.0)
@@ -196,14 +270,7 @@ impl Here<'_> {
         }
     }
 
-    fn fault(&self, parameter: &'static str, value: f32, expected: &'static str) -> RouteError {
+    fn fault(self, parameter: &'static str, value: f32, expected: &'static str) -> RouteError {
         RouteError::Parameter { item: self.number, command: self.command(), parameter, value, expected }
-    }
-}
-
-fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
     }
 }

@@ -73,9 +73,18 @@ fn says_which_item_cannot_be_carried_out() {
     let error = |items: &[Item]| route(items).unwrap_err();
     assert_eq!(error(&[]), RouteError::NoWaypoint);
     assert_eq!(error(&[command(MAV_CMD_DO_CHANGE_SPEED, [1.0, 1.0, 0.0, 0.0])]), RouteError::NoWaypoint);
-    let servo = error(&[at(9.0, 0.0), command(MAV_CMD_DO_SET_SERVO, [7.0, 1500.0, 0.0, 0.0])]);
-    assert_eq!(servo, RouteError::Unsupported { item: 2, command: CommandName(183) });
-    assert!(servo.to_string().starts_with("item 2: MAV_CMD_DO_SET_SERVO (183) is not supported"), "{servo}");
+    for unsupported in [
+        MAV_CMD_NAV_TAKEOFF,
+        MAV_CMD_NAV_LAND,
+        MAV_CMD_DO_SET_MODE,
+        MAV_CMD_COMPONENT_ARM_DISARM,
+        MAV_CMD_DO_FLIGHTTERMINATION,
+    ] {
+        let error = error(&[at(9.0, 0.0), command(unsupported, [0.0; 4])]);
+        assert_eq!(error, RouteError::Unsupported { item: 2, command: CommandName(unsupported) });
+    }
+    let land = error(&[at(9.0, 0.0), command(MAV_CMD_NAV_LAND, [0.0; 4])]);
+    assert!(land.to_string().starts_with("item 2: MAV_CMD_NAV_LAND (21) cannot be carried out"), "{land}");
     assert!(matches!(error(&[at(9.0, 0.0), command(16, [0.0; 4])]), RouteError::NoPosition { item: 2, .. }));
     let astray = Item::waypoint(Geodetic::new(15.0, 10.7));
     assert!(
@@ -95,9 +104,26 @@ fn says_which_item_cannot_be_carried_out() {
         (MAV_CMD_DO_CHANGE_SPEED, [1.0, f32::NAN, 0.0, 0.0]),
         (MAV_CMD_NAV_DELAY, [-1.0, 12.0, 0.0, 0.0]),
         (MAV_CMD_NAV_DELAY, [f32::INFINITY, 0.0, 0.0, 0.0]),
+        (MAV_CMD_CONDITION_DELAY, [-1.0, 0.0, 0.0, 0.0]),
+        (MAV_CMD_CONDITION_DISTANCE, [f32::INFINITY, 0.0, 0.0, 0.0]),
+        (MAV_CMD_DO_SET_REVERSE, [2.0, 0.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [0.0, 1.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [3.0, 1.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [2.0, 1.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [1.5, 1.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [1.0, -2.0, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP, [1.0, f32::NAN, 0.0, 0.0]),
+        (MAV_CMD_DO_JUMP_TAG, [7.0, 1.0, 0.0, 0.0]),
+        (MAV_CMD_NAV_LOITER_TURNS, [-1.0, 0.0, 0.0, 0.0]),
+        (MAV_CMD_NAV_LOITER_TURNS, [1e9, 0.0, 0.0, 0.0]),
+        (MAV_CMD_NAV_LOITER_TURNS, [1.0, 0.0, 0.1, 0.0]),
+        (MAV_CMD_NAV_LOITER_TURNS, [1.0, 0.0, f32::INFINITY, 0.0]),
+        (MAV_CMD_NAV_LOITER_TIME, [-1.0, 0.0, 0.0, 0.0]),
     ] {
         let error = error(&[at(9.0, 0.0), command(code, params)]);
-        assert!(matches!(error, RouteError::Parameter { item: 2, .. }), "{error}");
+        let is_of_item =
+            matches!(error, RouteError::Parameter { item: 2, .. } | RouteError::Delay { item: 2, .. });
+        assert!(is_of_item, "{error}");
     }
     let impatient = Item { params: [-5.0, 0.0, 0.0, 0.0], ..at(9.0, 0.0) };
     assert!(matches!(error(&[impatient]), RouteError::Parameter { item: 1, .. }));
@@ -115,6 +141,102 @@ fn no_more_items_than_can_be_numbered() {
     let items = vec![at(9.0, 0.0); 65_536];
     assert_eq!(route(&items).unwrap_err(), RouteError::TooLong(65_536));
     assert_eq!(route(&items[1..]).unwrap().waypoints[0].item, 65_535);
+}
+
+/// Item numbers of all visits.
+fn visits(route: &Route) -> Vec<u16> {
+    route.waypoints.iter().map(|waypoint| waypoint.item).collect()
+}
+
+fn jump(to: f32, times: f32) -> Item {
+    command(MAV_CMD_DO_JUMP, [to, times, 0.0, 0.0])
+}
+
+#[test]
+fn jumps_are_made_as_often_as_they_say() {
+    let there_and_back = [at(20.0, 0.0), at(40.0, 0.0), jump(1.0, 2.0), at(0.0, 20.0)];
+    assert_eq!(visits(&route(&there_and_back).unwrap()), [1, 2, 1, 2, 1, 2, 4]);
+    let never = [at(20.0, 0.0), jump(1.0, 0.0), at(40.0, 0.0)];
+    assert_eq!(visits(&route(&never).unwrap()), [1, 3]);
+    let ahead = [at(20.0, 0.0), jump(4.0, 1.0), at(30.0, 0.0), at(40.0, 0.0)];
+    let route_ahead = route(&ahead).unwrap();
+    assert_eq!((visits(&route_ahead), route_ahead.unreached), (vec![1, 4], vec![3]));
+    // A jump counts over the whole mission, as on ArduPilot: the inner one is used up in the first round.
+    let nested = [at(10.0, 0.0), at(20.0, 0.0), jump(2.0, 1.0), at(30.0, 0.0), jump(1.0, 1.0), at(40.0, 0.0)];
+    assert_eq!(visits(&route(&nested).unwrap()), [1, 2, 4, 1, 2, 4, 6].to_vec());
+    let tags = [
+        at(10.0, 0.0),
+        command(MAV_CMD_JUMP_TAG, [7.0, 0.0, 0.0, 0.0]),
+        at(20.0, 0.0),
+        at(30.0, 0.0),
+        command(MAV_CMD_DO_JUMP_TAG, [7.0, 1.0, 0.0, 0.0]),
+    ];
+    assert_eq!(visits(&route(&tags).unwrap()), [1, 3, 4, 3, 4]);
+}
+
+#[test]
+fn a_mission_without_end_repeats_itself() {
+    let round = [at(10.0, 0.0), at(20.0, 0.0), at(20.0, 10.0), jump(2.0, -1.0), at(0.0, 0.0)];
+    let route_round = route(&round).unwrap();
+    assert_eq!(visits(&route_round), [1, 2, 3, 2, 3]);
+    assert_eq!((route_round.repeat_from, route_round.unreached), (Some(3), vec![5]));
+    // Finite jumps are used up before the rounds are all the same.
+    let both = [at(10.0, 0.0), at(20.0, 0.0), jump(1.0, 1.0), at(30.0, 0.0), jump(1.0, -1.0)];
+    let route_both = route(&both).unwrap();
+    assert_eq!(visits(&route_both), [1, 2, 1, 2, 4, 1, 2, 4]);
+    assert_eq!(route_both.repeat_from, Some(5));
+    let nowhere = [at(10.0, 0.0), jump(1.0, -1.0)];
+    assert_eq!(route(&nowhere).unwrap_err(), RouteError::LoopWithoutWaypoint { item: 2 });
+    let too_often = [at(10.0, 0.0), at(20.0, 0.0), jump(1.0, 65_535.0)];
+    assert!(matches!(route(&too_often).unwrap_err(), RouteError::TooManyVisits { .. }));
+}
+
+#[test]
+fn loiters_turn_or_wait_where_they_say() {
+    let turns = Item { command: MAV_CMD_NAV_LOITER_TURNS, params: [2.0, 0.0, -15.0, 0.0], ..at(20.0, 0.0) };
+    let time = command(MAV_CMD_NAV_LOITER_TIME, [30.0, 0.0, 0.0, 0.0]);
+    let route_found = route(&[at(0.0, 10.0), time, turns, at(40.0, 0.0)]).unwrap();
+    assert_eq!((route_found.waypoints.len(), route_found.waypoints[0].hold_s), (3, 30.0));
+    let circle = Circle { radius_m: 15.0, turns: 2.0, clockwise: false };
+    assert_eq!(route_found.waypoints[1].circle, Some(circle));
+    let usual = Item { params: [1.0, 0.0, 0.0, 0.0], ..turns };
+    let found = route(&[usual]).unwrap().waypoints[0].circle.unwrap();
+    assert_eq!((found.radius_m, found.clockwise), (DEFAULT_CIRCLE_RADIUS_M, true));
+    assert_eq!(route(&[time]).unwrap_err(), RouteError::NowhereYet { item: 1 });
+}
+
+#[test]
+fn what_is_done_on_the_way_belongs_to_a_leg() {
+    let servo = |pulse_us| command(MAV_CMD_DO_SET_SERVO, [9.0, pulse_us, 0.0, 0.0]);
+    let items = [
+        servo(1000.0),
+        at(20.0, 0.0),
+        servo(1900.0),
+        command(MAV_CMD_NAV_DELAY, [60.0, 0.0, 0.0, 0.0]),
+        servo(1100.0),
+        command(MAV_CMD_CONDITION_DISTANCE, [8.0, 0.0, 0.0, 0.0]),
+        command(MAV_CMD_DO_CHANGE_SPEED, [1.0, 0.5, -1.0, 0.0]),
+        at(40.0, 0.0),
+        at(60.0, 0.0),
+        servo(1200.0),
+    ];
+    let route_found = route(&items).unwrap();
+    let legs: Vec<(u16, usize)> = route_found.tasks.iter().map(|task| (task.item, task.leg)).collect();
+    assert_eq!(legs, [(1, 0), (3, 1), (5, 2), (6, 2), (7, 2), (10, 4)]);
+    // The delay is a stop of its own, so that the servo moves before and after it.
+    assert_eq!(visits(&route_found), [2, 4, 8, 9]);
+    assert!(route_found.waypoints[0].stop && route_found.waypoints[1].hold_s == 60.0);
+    let speeds: Vec<_> = route_found.waypoints.iter().map(|waypoint| waypoint.speed_mps).collect();
+    assert_eq!(speeds, [None, None, None, Some(0.5)], "on the leg itself the speed waits for its condition");
+}
+
+#[test]
+fn going_astern_begins_and_ends_with_a_stop() {
+    let reverse = |astern| command(MAV_CMD_DO_SET_REVERSE, [astern, 0.0, 0.0, 0.0]);
+    let items = [at(20.0, 0.0), reverse(1.0), at(10.0, 0.0), reverse(0.0), at(20.0, 20.0)];
+    let found = route(&items).unwrap().waypoints;
+    let kinds: Vec<_> = found.iter().map(|waypoint| (waypoint.reverse, waypoint.is_stop())).collect();
+    assert_eq!(kinds, [(false, true), (true, true), (false, false)]);
 }
 
 proptest! {
@@ -139,6 +261,32 @@ proptest! {
             if points.len() > 1 {
                 let path = crate::path::Path::through(&points, &crate::path::PathLimits::new(3.0, 1.0));
                 prop_assert!(path.is_ok(), "{path:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_mission_is_understood_or_refused(
+        items in prop::collection::vec(
+            (prop::sample::select(vec![16u16, 17, 18, 19, 20, 93, 112, 114, 177, 178, 183, 194, 600, 601]),
+             prop::sample::select(vec![0.0f32, 1.0, 2.0, 3.0, -1.0, 65535.0, f32::NAN]),
+             prop::sample::select(vec![0.0f32, 1.0, 3.0, -1.0, 65535.0]), 0..4i32),
+            0..14),
+    ) {
+        let items: Vec<Item> = items.into_iter().map(|(command, p1, p2, place)| {
+            let near = at(f64::from(place) * 20.0, f64::from(place % 2) * 20.0);
+            Item { command, params: [p1, p2, 0.0, 0.0], ..near }
+        }).collect();
+        let count = items.len();
+        if let Ok(route) = route(&items) {
+            prop_assert!(route.waypoints.iter().all(|waypoint| usize::from(waypoint.item) <= count));
+            prop_assert!(route.tasks.windows(2).all(|pair| pair[0].leg <= pair[1].leg));
+            prop_assert!(route.tasks.iter().all(|task| task.leg <= route.waypoints.len()));
+            prop_assert!(route.repeat_from.is_none_or(|first| first < route.waypoints.len()));
+            for pair in route.waypoints.windows(2) {
+                let apart_m = pair[0].position.distance_m(pair[1].position);
+                let may_touch = pair[0].is_stop() || pair[0].circle.is_some() || pair[1].circle.is_some();
+                prop_assert!(apart_m >= MERGE_DISTANCE_M || may_touch);
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::app::bridge::{interrupted, unix_time_us};
 use crate::app::console::{self, ProgressLine};
 use crate::app::edge::{Edge, Party, Seen};
 use crate::app::failure::Failure;
-use crate::link::{Hub, LinkSettings, LinkUrl};
+use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::replay::play::{PlayFilter, PlaySettings, Player, message_id};
 
 /// How often the player looks at the clock.
@@ -198,7 +198,7 @@ impl Station {
 }
 
 impl Party for Station {
-    fn link_up(&mut self, now: Duration, link: LinkId) {
+    fn link_up(&mut self, now: Duration, link: LinkId, _endpoint: EndpointId) {
         self.links.push(link);
         if !self.begun {
             self.begun = true;

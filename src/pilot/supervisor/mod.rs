@@ -74,6 +74,11 @@ impl Supervisor {
         }
     }
 
+    /// The mode to leave the boat in when the mission is complete, where the mission itself has a say in it.
+    pub fn set_end_mode(&mut self, mode: Mode) {
+        self.policy.end_mode = mode;
+    }
+
     /// The present state.
     pub fn state(&self) -> State {
         self.state
