@@ -133,6 +133,16 @@ fn two_boats_are_compared_on_one_log() {
 }
 
 #[test]
+fn a_recorded_track_is_driven_again() {
+    let folder = Folder::new("drive");
+    let run = helmlink(&folder, &["replay", ARDUROVER, "--drive", "--json", "-q"]);
+    assert!(run.status.success(), "{}", complaint(&run));
+    let result = json(&run);
+    assert_eq!(result["completed"].as_bool(), Some(true));
+    assert!(result["cross_track_straight_m"]["rms"].as_f64() < Some(0.5), "{result}");
+}
+
+#[test]
 fn what_cannot_be_replayed_is_explained() {
     let folder = Folder::new("faults");
     std::fs::write(folder.file("text.tlog"), "this is no log at all").unwrap();

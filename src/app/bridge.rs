@@ -103,6 +103,8 @@ pub struct BridgeArgs {
 
 /// After Ctrl-C the bridge has this long to stop the boat and let go.
 const STOPPING: Duration = Duration::from_secs(5);
+/// Longest wait for a heartbeat that is not for ever, seconds: a day.
+const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
 const RATES_HZ: (f64, f64) = (2.0, 50.0);
 
@@ -124,6 +126,12 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
         return Err(Failure::usage(format!(
             "--rate {}: choose {} to {} Hz",
             args.rate, RATES_HZ.0, RATES_HZ.1
+        )));
+    }
+    if !(0.0..=LONGEST_WAIT_S).contains(&args.wait) {
+        return Err(Failure::usage(format!(
+            "--wait {}: give 0 (for ever) to {LONGEST_WAIT_S} seconds",
+            args.wait
         )));
     }
     let speed_range = 0.1..=boat.limits.speed_max_mps;
@@ -207,7 +215,7 @@ struct Watch {
 
 impl Watch {
     fn new(args: &BridgeArgs) -> Self {
-        let wait = Duration::try_from_secs_f64(args.wait).unwrap_or(Duration::MAX);
+        let wait = Duration::from_secs_f64(args.wait);
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
@@ -227,7 +235,7 @@ impl Watch {
         if self.found.is_none() && edge.now() > self.wait {
             let seconds = self.wait.as_secs_f64();
             return Some(Err(Failure::no_link(format!(
-                "no heartbeat of a flight controller on {url} for {seconds:.0} s: check that it is powered, the \
+                "no heartbeat of a flight controller on {url} for {seconds} s: check that it is powered, the \
                  address and the baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2); --wait 0 waits for ever"
             ))));
         }

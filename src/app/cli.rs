@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 
+use super::boat::BoatArgs;
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
 use super::demo::DemoArgs;
@@ -13,6 +14,7 @@ use super::replay::ReplayArgs;
 use super::report::ReportArgs;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
+use super::tune::TuneArgs;
 
 /// Steers an uncrewed boat along its mission, or simulates one.
 #[derive(Debug, Parser)]
@@ -49,6 +51,10 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Make a page, tables and Foxglove files of a log
     Report(Box<ReportArgs>),
+    /// Find gains by search in simulation
+    Tune(Box<TuneArgs>),
+    /// Write a boat file by rule, from length, top speed and turning circle
+    Boat(Box<BoatArgs>),
     /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
@@ -85,6 +91,8 @@ impl Command {
             Self::Compare(args) => &args.common,
             Self::Replay(args) => &args.common,
             Self::Report(args) => &args.common,
+            Self::Tune(args) => &args.common,
+            Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),
         }
     }

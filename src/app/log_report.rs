@@ -99,11 +99,11 @@ impl LogReport {
         ]
     }
 
-    /// Prints the report.
+    /// Prints the figures of one side.
     ///
     /// # Errors
     /// It cannot be written as JSON.
-    pub(super) fn say(&self, json: bool) -> Result<(), Failure> {
+    pub(super) fn say(&self, side: Side, json: bool) -> Result<(), Failure> {
         if json {
             console::say(&serde_json::to_string_pretty(self).map_err(Failure::failed)?);
             return Ok(());
@@ -111,7 +111,7 @@ impl LogReport {
         for note in &self.notes {
             tracing::warn!("{note}");
         }
-        let figures = self.figures(Side::Replayed);
+        let figures = self.figures(side);
         let width = figures.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
         let lines: Vec<String> =
             figures.into_iter().map(|(label, value)| format!("  {label:<width$}  {value}")).collect();

@@ -1,6 +1,7 @@
 //! The subcommands: wiring only, one file each.
 
 mod ardupilot_json;
+mod boat;
 mod bridge;
 pub mod cli;
 mod compare;
@@ -24,6 +25,7 @@ mod simulate;
 mod sitl;
 mod state_dir;
 mod trial;
+mod tune;
 mod world;
 
 use std::ffi::OsString;
@@ -72,10 +74,18 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
 /// Help and version go to standard output and are no failure.
 fn clap_ended(error: &clap::Error) -> Result<Option<Cli>, Failure> {
     if error.use_stderr() {
-        return Err(Failure::usage(error.render().to_string().trim_start_matches("error: ").trim_end()));
+        return Err(Failure::usage(one_line(&error.render().to_string())));
     }
     console::say(error.render().to_string().trim_end());
     Ok(None)
+}
+
+/// What clap says in paragraphs, as one line without its usage.
+fn one_line(error: &str) -> String {
+    let paragraphs = error.trim_start_matches("error: ").split("\n\n");
+    let lines = paragraphs.filter(|text| !text.trim_start().starts_with("Usage:"));
+    let lines = lines.map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "));
+    lines.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 fn dispatch(command: Command) -> Result<(), Failure> {
@@ -87,6 +97,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Tune(args) => tune::run(&args),
+        Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let report = LogReport::new(&engine, &settings, &outcome);
     log_report::write(&args.report, &report, &outcome.what_if, &[], Side::Recorded)?;
     tracing::info!("the page is {}", args.report.join(log_report::PAGE).display());
-    report.say(args.common.json)
+    report.say(Side::Recorded, args.common.json)
 }
 
 /// Writes the report of a recording into `folder`.

@@ -441,6 +441,7 @@ impl Bridge {
                 if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
                     self.links.send(vehicle.link, own, &answer);
                 }
+                self.tell_delay();
             }
             Message::COMMAND_ACK(data) => self.on_ack(own, data),
             _ => {
@@ -470,6 +471,13 @@ impl Bridge {
                     self.control_step();
                 }
             }
+        }
+    }
+
+    /// Tells the controller how long its commands are under way, in the vehicle's time.
+    fn tell_delay(&mut self) {
+        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
+            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
         }
     }
 
@@ -664,6 +672,7 @@ impl Bridge {
                 let speed_mps = self.usual_speed_mps();
                 let settings = RunSettings { speed_mps, controller: self.settings.controller };
                 self.run = Some(MissionRun::new(route, self.settings.boat.clone(), settings));
+                self.tell_delay();
                 self.event(enums::MAV_SEVERITY_INFO, text);
             }
             Some(News::Unusable(text)) => {

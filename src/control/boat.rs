@@ -3,6 +3,7 @@
 //! The boats that come with Helmlink are TOML files next to this one, embedded in the binary. Anyone can
 //! write another; every value is checked when it is loaded, and an error names the key and what it may be.
 
+pub mod derived;
 mod ranges;
 
 use helmlink_mission::path::PathLimits;
@@ -14,6 +15,7 @@ use crate::control::axis::AxisSettings;
 use crate::control::baselines::Baselines;
 use crate::control::gains;
 use crate::control::model::Hull;
+use crate::control::observer::ObserverSettings;
 use crate::guidance::GuidanceSettings;
 
 /// Names and texts of the boats that come with Helmlink.
@@ -41,6 +43,7 @@ struct BoatFile {
     hull: Hull,
     actuators: Actuators,
     limits: Limits,
+    observer: ObserverSettings,
     guidance: GuidanceSettings,
     control: ControlSettings,
     /// Where they are not given they follow from the boat's own gains.
@@ -49,9 +52,10 @@ struct BoatFile {
 
 impl From<BoatFile> for Boat {
     fn from(file: BoatFile) -> Self {
-        let BoatFile { name, description, hull, actuators, limits, guidance, control, baselines } = file;
+        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control, baselines } =
+            file;
         let baselines = baselines.unwrap_or_else(|| Baselines::matching(&guidance, &control));
-        Self { name, description, hull, actuators, limits, guidance, control, baselines }
+        Self { name, description, hull, actuators, limits, observer, guidance, control, baselines }
     }
 }
 
@@ -69,6 +73,8 @@ pub struct Boat {
     pub actuators: Actuators,
     /// What the boat may be asked to do.
     pub limits: Limits,
+    /// How waves and noise are told from motion.
+    pub observer: ObserverSettings,
     /// Guidance gains.
     pub guidance: GuidanceSettings,
     /// Controller gains.
@@ -167,6 +173,12 @@ impl Limits {
 }
 
 impl Boat {
+    /// Its steering works by the flow of the water past it: not by two thrusters.
+    #[must_use]
+    pub fn steers_by_flow(&self) -> bool {
+        !matches!(self.actuators, Actuators::TwinThrusters(_))
+    }
+
     /// Names of the embedded boats.
     pub fn names() -> impl Iterator<Item = &'static str> {
         EMBEDDED.iter().map(|(name, _)| *name)

@@ -89,12 +89,16 @@ impl Watch {
         if steers(from, self.vehicle, message) {
             self.last_command_s = Some(self.time_s());
         }
-        if from.system == self.vehicle.system
-            && from.component == settings::COMPONENT
-            && let Message::STATUSTEXT(data) = message
-        {
-            let text = data.text.to_str().unwrap_or_default().to_owned();
-            see(self, Sight::Event(data.severity, text));
+        if from.system == self.vehicle.system && from.component == settings::COMPONENT {
+            match message {
+                Message::STATUSTEXT(data) => {
+                    let text = data.text.to_str().unwrap_or_default().to_owned();
+                    see(self, Sight::Event(data.severity, text));
+                }
+                // In the modes in which a bridge steers, the firmware reaches no waypoints of its own.
+                Message::MISSION_ITEM_REACHED(data) => see(self, Sight::Reached(data.seq)),
+                _ => {}
+            }
         }
     }
 
@@ -111,7 +115,8 @@ impl Watch {
             Message::SERVO_OUTPUT_RAW(data) => self.servos.on_outputs(data),
             Message::MISSION_CURRENT(data) => see(self, Sight::Current(data.seq)),
             Message::MISSION_ITEM_REACHED(data) => see(self, Sight::Reached(data.seq)),
-            Message::STATUSTEXT(data) => {
+            // What a flight controller says when it starts would fill every list.
+            Message::STATUSTEXT(data) if data.severity <= enums::MAV_SEVERITY_WARNING => {
                 let text = data.text.to_str().unwrap_or_default().to_owned();
                 see(self, Sight::Event(data.severity, text));
             }

@@ -22,7 +22,7 @@ use crate::control::{Boat, Controller};
 use crate::guidance::VesselState;
 use crate::pilot::{MissionRun, RunSettings};
 use crate::record::ControlState;
-use crate::simulation::score::{Sample, Score, Scorer};
+use crate::simulation::score::{Sample, Score, Scorer, distance_to_segment_m};
 use crate::vehicle::estimate::vessel_state;
 use crate::vehicle::output::{self, Demand, Output};
 use crate::vehicle::{OutputKind, ParameterReader};
@@ -31,6 +31,8 @@ use crate::vehicle::{OutputKind, ParameterReader};
 const SAMPLE_S: f64 = 0.1;
 /// A place in the mission that differs from the vehicle's own by this many waypoints is given up for the vehicle's.
 const OUT_OF_STEP: usize = 2;
+/// A command that a bridge has recorded is in force for so long, vehicle seconds.
+const COMMAND_AGE_S: f64 = 1.0;
 /// After so long, vehicle seconds.
 const OUT_OF_STEP_S: f64 = 3.0;
 
@@ -344,7 +346,7 @@ impl WhatIf {
             place,
             state,
             thought: None,
-            outputs: watch.outputs(),
+            outputs: self.recorded_outputs(boot_s, watch),
             recorded: self.recorded_thought,
             leg_error_m: None,
         };
@@ -355,6 +357,15 @@ impl WhatIf {
         }
         self.score(&mut moment, demand);
         sink.moment(&moment);
+    }
+
+    /// What went to motors and rudder: as a bridge has recorded its commands, or as the autopilot put them out.
+    fn recorded_outputs(&self, boot_s: f64, watch: &Watch) -> Option<Outputs> {
+        let commanded =
+            self.recorded_thought.filter(|thought| (boot_s - thought.boot_s).abs() < COMMAND_AGE_S);
+        commanded
+            .map(|thought| Outputs { steering: thought.steering.into(), throttle: thought.throttle.into() })
+            .or_else(|| watch.outputs())
     }
 
     /// One step of the controller.
@@ -412,10 +423,7 @@ impl WhatIf {
         let Some(run) = &self.run else { return };
         let progress = run.progress();
         let Some(leg) = progress.leg else { return };
-        moment.leg_error_m = run
-            .waypoints()
-            .get(leg..=leg + 1)
-            .map(|ends| signed_distance_m(moment.state.position, ends[0], ends[1]));
+        moment.leg_error_m = leg_error_m(moment.state.position, run.waypoints(), leg);
         let Some(demand) = demand else { return };
         let is_due = self.sampled_s.is_none_or(|then_s| moment.time_s >= then_s + SAMPLE_S - 1e-9);
         if !is_due {
@@ -486,6 +494,19 @@ fn keep_in_step(run: &mut MissionRun, current: Option<usize>, time_s: f64, since
         }
         None => *since_s = None,
     }
+}
+
+/// Distance to the right of the nearest of a leg and its neighbours, metres, as the score measures it.
+fn leg_error_m(position: NorthEast, waypoints: &[NorthEast], leg: usize) -> Option<f64> {
+    waypoints
+        .windows(2)
+        .enumerate()
+        .filter(|(index, _)| index.abs_diff(leg) <= 1)
+        .map(|(_, ends)| {
+            let distance_m = distance_to_segment_m(position, ends[0], ends[1]);
+            distance_m.copysign(signed_distance_m(position, ends[0], ends[1]))
+        })
+        .min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
 /// Distance to the right of the straight line from `from` to `to`, metres.

@@ -102,8 +102,8 @@ const CHARTS: [Chart; 5] = [
         always: Range { low: -1.0, high: 1.0 },
     },
     Chart {
-        title: "Disturbance bounds",
-        note: "",
+        title: "Disturbance",
+        note: "bounds",
         curves: &[
             Curve {
                 name: "yaw, rad/s²",

@@ -1,6 +1,7 @@
 //! `helmlink replay`: a recorded log through the controller, or out to a link.
 
 mod compare;
+mod drive;
 mod engine;
 mod log_files;
 mod play;
@@ -72,6 +73,12 @@ pub struct ReplayArgs {
     /// Write track, state, errors, commands and parameters for Foxglove
     #[arg(long, value_name = "FILE")]
     pub mcap: Option<PathBuf>,
+    /// Drive the recorded track again, in the simulator in calm water
+    #[arg(long, conflicts_with_all = ["proof", "compare", "out", "mcap", "to", "mission"])]
+    pub drive: bool,
+    /// How far the mission that is driven again may be from the recorded track, m
+    #[arg(long, default_value_t = 1.0, value_name = "M")]
+    pub tolerance: f64,
     /// Play the log to this link instead: udpout:HOST:PORT, tcpin:HOST:PORT, serial:DEVICE:BAUD, …
     #[arg(long, value_name = "URL", conflicts_with_all = ["proof", "compare", "out", "mcap"])]
     pub to: Option<LinkUrl>,
@@ -144,6 +151,8 @@ pub(super) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let files = LogFiles::find(&args.log)?;
     if let Some(url) = &args.to {
         play::run(args, &files, url)
+    } else if args.drive {
+        drive::run(args, &files)
     } else if args.proof {
         proof::run(args, &files)
     } else if args.compare.is_empty() {

@@ -38,7 +38,7 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
         log_report::write(&args.report, &report, &outcome.what_if, &panels, Side::Replayed)?;
         tracing::info!("report in {}", args.report.display());
     }
-    report.say(args.common.json)?;
+    report.say(Side::Replayed, args.common.json)?;
     check_driven(&engine, &outcome, args)?;
     check_digest(args.expect.as_deref(), &outcome.result.commands_sha256)
 }
