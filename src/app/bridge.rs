@@ -1,6 +1,10 @@
 //! `helmlink bridge`: steers a boat through its flight controller.
 
+mod figures;
+mod lateness;
 mod links;
+mod operation;
+mod service_manager;
 mod signing;
 
 use std::path::{Path, PathBuf};
@@ -10,6 +14,7 @@ use clap::Args;
 use helmlink_wire::Identity;
 
 use self::links::LinkArgs;
+use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
@@ -98,6 +103,9 @@ pub struct BridgeArgs {
     pub state: StateDirArgs,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub operation: OperationArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub common: Common,
 }
 
@@ -171,12 +179,16 @@ async fn drive(
     args: &BridgeArgs,
     url: &LinkUrl,
     settings: BridgeSettings,
-    mut signing: Option<SigningStore>,
+    signing: Option<SigningStore>,
 ) -> Result<(), Failure> {
+    let interval = Duration::from_secs_f64(settings.control_interval_s);
+    let mut operation = Operation::start(&args.operation, interval).await?;
     let mut bridge = Bridge::new(settings);
     let mut log = start_recording(args, &mut bridge)?;
     let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    operation.keep(signing);
     let mut edge = Edge::new(guarded, hub, TICK);
+    operation.ready();
     let mut watch = Watch::new(args);
     let mut interrupt = std::pin::pin!(interrupted());
     let ending = loop {
@@ -187,18 +199,14 @@ async fn drive(
         }
         say_events(&mut edge);
         write_log(&mut edge, &mut log);
-        if let Some(store) = &mut signing {
-            store.save_when_due(edge.now(), edge.party.gate.timestamp());
-        }
+        operation.after_turn(&edge);
         if let Some(ending) = watch.ending(&edge, url) {
             break ending;
         }
     };
     stop(&mut edge).await;
+    operation.end(&edge);
     finish_recording(&mut edge, log);
-    if let Some(store) = &mut signing {
-        store.save(edge.party.gate.timestamp());
-    }
     edge.close().await;
     ending
 }

@@ -8,6 +8,8 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use super::boat::BoatArgs;
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
+use super::config_command::ConfigCommand;
+use super::console::LogFormat;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
 use super::replay::ReplayArgs;
@@ -58,10 +60,13 @@ pub enum Command {
     /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
+    /// Show, check and describe configuration files
+    #[command(subcommand)]
+    Config(ConfigCommand),
 }
 
 /// Options that every subcommand has.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Common {
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -72,6 +77,9 @@ pub struct Common {
     /// Say only what went wrong
     #[arg(short, long)]
     pub quiet: bool,
+    /// How messages are written: as text, or as one JSON object a line
+    #[arg(long, default_value = "text", value_name = "text|json")]
+    pub log_format: LogFormat,
     /// Read options from a TOML file; its tables are named after the subcommands
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -94,6 +102,7 @@ impl Command {
             Self::Tune(args) => &args.common,
             Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),
+            Self::Config(command) => command.common(),
         }
     }
 }

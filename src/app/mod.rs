@@ -6,6 +6,8 @@ mod bridge;
 pub mod cli;
 mod compare;
 mod config;
+mod config_command;
+mod config_schema;
 mod console;
 mod demo;
 pub mod edge;
@@ -13,6 +15,7 @@ mod failure;
 mod ground_station;
 mod guarded;
 mod log_report;
+mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
@@ -65,7 +68,7 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
     };
     let cli = Cli::from_arg_matches(&matches).map_err(Failure::usage)?;
     if cli.command.common().dry_run {
-        console::say(&config::describe(&first, &matches));
+        console::say(config::describe(&first, &matches, cli.command.common().json).trim_end());
         return Ok(None);
     }
     Ok(Some(cli))
@@ -100,6 +103,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Tune(args) => tune::run(&args),
         Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),
+        Command::Config(command) => config_command::run(&command),
     }
 }
 
