@@ -15,6 +15,24 @@
 //! | `clock` | pausing, stepping and lockstep |
 //! | `trial` | how a hull answers throttle and steering, from which the autopilot is tuned |
 //!
+//! # A boat in a test
+//!
+//! ```
+//! use std::time::Duration;
+//! use helmlink_mission::{geodesy::Geodetic, plan::Item};
+//! use helmlink_sitl::{Sitl, SitlSettings, physics::Hull};
+//!
+//! let mut settings = SitlSettings::new(Hull::builtin("otter")?);
+//! settings.home = Geodetic::new(63.4406, 10.4022);
+//! let mut boat = Sitl::new(settings)?;
+//! boat.set_mission(&[Item::waypoint(Geodetic::new(63.4409, 10.4022))]).map_err(|most| format!("{most} at most"))?;
+//! boat.advance(Duration::from_secs(3)); // a real test talks MAVLink here: `on_bytes` in, `poll_transmit` out
+//! assert!(boat.start());
+//! boat.advance(Duration::from_secs(90));
+//! assert!(boat.observe().mission_complete && boat.truth().hull.north_m > 30.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Faults
 //! Anything of [`faults::Fault`] can be made to fail at any time, and repaired:
 //!

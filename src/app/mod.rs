@@ -1,25 +1,34 @@
 //! The subcommands: wiring only, one file each.
 
 mod ardupilot_json;
+mod boat;
 mod bridge;
 pub mod cli;
 mod compare;
 mod config;
+mod config_command;
+mod config_schema;
 mod console;
 mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
 mod guarded;
+mod log_report;
+mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
+mod recorder;
+mod replay;
+mod report;
 mod result;
 mod scenario;
 mod simulate;
 mod sitl;
 mod state_dir;
 mod trial;
+mod tune;
 mod world;
 
 use std::ffi::OsString;
@@ -59,7 +68,7 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
     };
     let cli = Cli::from_arg_matches(&matches).map_err(Failure::usage)?;
     if cli.command.common().dry_run {
-        console::say(&config::describe(&first, &matches));
+        console::say(config::describe(&first, &matches, cli.command.common().json).trim_end());
         return Ok(None);
     }
     Ok(Some(cli))
@@ -68,10 +77,18 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
 /// Help and version go to standard output and are no failure.
 fn clap_ended(error: &clap::Error) -> Result<Option<Cli>, Failure> {
     if error.use_stderr() {
-        return Err(Failure::usage(error.render().to_string().trim_start_matches("error: ").trim_end()));
+        return Err(Failure::usage(one_line(&error.render().to_string())));
     }
     console::say(error.render().to_string().trim_end());
     Ok(None)
+}
+
+/// What clap says in paragraphs, as one line without its usage.
+fn one_line(error: &str) -> String {
+    let paragraphs = error.trim_start_matches("error: ").split("\n\n");
+    let lines = paragraphs.filter(|text| !text.trim_start().starts_with("Usage:"));
+    let lines = lines.map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "));
+    lines.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 fn dispatch(command: Command) -> Result<(), Failure> {
@@ -81,7 +98,12 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Tune(args) => tune::run(&args),
+        Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),
+        Command::Config(command) => config_command::run(&command),
     }
 }
 

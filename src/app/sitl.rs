@@ -8,7 +8,8 @@ use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 use helmlink_mission::plan::Mission;
 use helmlink_mission::route::Route;
 use helmlink_sitl::faults::TimedFault;
-use helmlink_sitl::{Sitl, SitlSettings, StartUp};
+use helmlink_sitl::{AutopilotSettings, Sitl, SitlSettings, StartUp};
+use helmlink_wire::signing::{SigningKey, Timestamp};
 
 use super::ardupilot_json;
 use super::bridge::interrupted;
@@ -56,6 +57,10 @@ pub struct SitlArgs {
     /// A parameter to begin with (repeatable)
     #[arg(long, value_name = "NAME=VALUE", value_parser = parameter_file::parse_assignment)]
     pub param: Vec<(String, f32)>,
+    /// Sign frames with the key in this file (32 bytes, 64 hexadecimal digits or a passphrase) and refuse unsigned
+    /// ones
+    #[arg(long, value_name = "FILE")]
+    pub signing_key: Option<PathBuf>,
     /// Arm and start the mission, or keep the place, as soon as possible: for runs without a ground station
     #[arg(long)]
     pub arm: bool,
@@ -67,7 +72,7 @@ pub struct SitlArgs {
     pub paused: bool,
     /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS)
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:9002",
-          conflicts_with_all = ["scenario", "fault", "params", "param", "mission", "duration", "paused", "arm"])]
+          conflicts_with_all = ["signing_key", "scenario", "fault", "params", "param", "mission", "duration", "paused", "arm"])]
     pub ardupilot_json: Option<std::net::SocketAddr>,
     /// A mission that the boat has on board from the start
     #[arg(long, value_name = "FILE")]
@@ -116,7 +121,13 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     let toward = drivable.as_ref().and_then(|drivable| first_target(home, &drivable.route));
     let mut parameters = args.params.as_deref().map(parameter_file::read).transpose()?.unwrap_or_default();
     parameters.extend(args.param.iter().cloned());
-    let mut sitl = build_with(&world, home, toward, args.realistic_startup, parameters)?;
+    let autopilot = AutopilotSettings {
+        start_up: if args.realistic_startup { StartUp::realistic() } else { StartUp::default() },
+        parameters,
+        signing: args.signing_key.as_deref().map(signing).transpose()?,
+        ..AutopilotSettings::default()
+    };
+    let mut sitl = build_with(&world, home, toward, autopilot)?;
     if let Some(mission) = mission {
         load(&mut sitl, mission)?;
     }
@@ -128,6 +139,15 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     }
     sitl.set_paused(args.paused);
     runtime.block_on(serve(args, sitl))
+}
+
+/// The key in a file, and the time from which signatures count.
+fn signing(path: &std::path::Path) -> Result<(SigningKey, Timestamp), Failure> {
+    let fault = |why: String| Failure::usage(format!("--signing-key {}: {why}", path.display()));
+    let contents = std::fs::read(path).map_err(|error| fault(error.to_string()))?;
+    let key = SigningKey::from_file_contents(&contents).map_err(|error| fault(error.to_string()))?;
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    Ok((key, Timestamp::from_unix(now)))
 }
 
 /// A number, or `max`.
@@ -154,29 +174,26 @@ pub(super) fn build(
     toward: Option<Geodetic>,
     realistic_startup: bool,
 ) -> Result<Sitl, Failure> {
-    build_with(world, home, toward, realistic_startup, Vec::new())
+    let start_up = if realistic_startup { StartUp::realistic() } else { StartUp::default() };
+    build_with(world, home, toward, AutopilotSettings { start_up, ..AutopilotSettings::default() })
 }
 
-/// The same with parameters of the autopilot.
+/// The same with a certain autopilot.
 fn build_with(
     world: &World,
     home: Geodetic,
     toward: Option<Geodetic>,
-    realistic_startup: bool,
-    parameters: Vec<(String, f32)>,
+    autopilot: AutopilotSettings,
 ) -> Result<Sitl, Failure> {
-    let mut settings = SitlSettings {
+    let settings = SitlSettings {
         sea: world.sea,
         sensors: world.sensors,
         seed: world.seed,
         home,
         heading_rad: heading_rad(world, home, toward),
+        autopilot,
         ..SitlSettings::new(world.hull.clone())
     };
-    if realistic_startup {
-        settings.autopilot.start_up = StartUp::realistic();
-    }
-    settings.autopilot.parameters = parameters;
     Sitl::new(settings).map_err(Failure::usage)
 }
 

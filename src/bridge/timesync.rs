@@ -7,8 +7,10 @@ use std::time::Duration;
 use helmlink_wire::dialect::TIMESYNC_DATA;
 use helmlink_wire::{Identity, Message};
 
-/// Time between two questions.
-const INTERVAL: Duration = Duration::from_secs(10);
+/// Time between two questions: longer than any delay that a boat can still be steered across.
+const INTERVAL: Duration = Duration::from_secs(2);
+/// Round trips remembered; their median is believed, so that single stragglers do no harm.
+const REMEMBERED: usize = 5;
 /// Answers later than this belong to no question that still matters.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -17,6 +19,8 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 pub(super) struct TimeSync {
     asked: Option<Duration>,
     round_trip: Option<Duration>,
+    trips: [Duration; REMEMBERED],
+    count: usize,
 }
 
 impl TimeSync {
@@ -41,8 +45,21 @@ impl TimeSync {
         }
         let asked = self.asked.filter(|asked| nanoseconds(*asked) == data.ts1);
         let trip = asked.map(|asked| now.saturating_sub(asked)).filter(|trip| *trip < TIMEOUT);
+        if let Some(trip) = trip {
+            self.trips[self.count % REMEMBERED] = trip;
+            self.count += 1;
+        }
         self.round_trip = trip.or(self.round_trip);
         None
+    }
+
+    /// The median of the last round trips: the part of the control loop's delay that differs from link to link, the
+    /// telemetry's way here and the command's way there.
+    pub(super) fn usual_trip(&self) -> Option<Duration> {
+        let mut sorted = self.trips;
+        let known = &mut sorted[..self.count.min(REMEMBERED)];
+        known.sort_unstable();
+        known.get(known.len() / 2).copied()
     }
 
     /// How long a question and its answer took the last time.
@@ -77,13 +94,29 @@ mod tests {
         let mut sync = TimeSync::default();
         let question = content(sync.poll(Duration::ZERO, VEHICLE));
         assert_eq!(question.tc1, 0);
-        assert!(sync.poll(Duration::from_secs(9), VEHICLE).is_none());
+        assert!(sync.poll(Duration::from_secs(1), VEHICLE).is_none());
         let late = TIMESYNC_DATA { tc1: 77, ts1: question.ts1 + 1, ..question };
         assert!(sync.on_message(Duration::from_millis(20), VEHICLE, &late).is_none());
         assert_eq!(sync.round_trip(), None, "somebody else's");
         let answer = TIMESYNC_DATA { tc1: 77, ..question };
         assert!(sync.on_message(Duration::from_millis(30), VEHICLE, &answer).is_none());
         assert_eq!(sync.round_trip(), Some(Duration::from_millis(30)));
+    }
+
+    #[test]
+    fn the_median_of_the_last_trips_is_the_usual_one() {
+        let mut sync = TimeSync::default();
+        assert_eq!(sync.usual_trip(), None);
+        for (index, trip_ms) in (0..).zip([100, 900, 120, 110, 105, 400, 400, 400]) {
+            let asked = INTERVAL * index;
+            let question = content(sync.poll(asked, VEHICLE));
+            let answer = TIMESYNC_DATA { tc1: 77, ..question };
+            sync.on_message(asked + Duration::from_millis(trip_ms), VEHICLE, &answer);
+            if index == 4 {
+                assert_eq!(sync.usual_trip(), Some(Duration::from_millis(110)));
+            }
+        }
+        assert_eq!(sync.usual_trip(), Some(Duration::from_millis(400)));
     }
 
     #[test]

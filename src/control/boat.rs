@@ -3,10 +3,11 @@
 //! The boats that come with Helmlink are TOML files next to this one, embedded in the binary. Anyone can
 //! write another; every value is checked when it is loaded, and an error names the key and what it may be.
 
+pub mod derived;
 mod ranges;
 
 use helmlink_mission::path::PathLimits;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::control::allocation::{CircleSettings, RudderSettings, TwinSettings};
@@ -14,6 +15,7 @@ use crate::control::axis::AxisSettings;
 use crate::control::baselines::Baselines;
 use crate::control::gains;
 use crate::control::model::Hull;
+use crate::control::observer::ObserverSettings;
 use crate::guidance::GuidanceSettings;
 
 /// Names and texts of the boats that come with Helmlink.
@@ -41,20 +43,24 @@ struct BoatFile {
     hull: Hull,
     actuators: Actuators,
     limits: Limits,
+    observer: ObserverSettings,
     guidance: GuidanceSettings,
     control: ControlSettings,
+    /// Where they are not given they follow from the boat's own gains.
+    baselines: Option<Baselines>,
 }
 
 impl From<BoatFile> for Boat {
     fn from(file: BoatFile) -> Self {
-        let BoatFile { name, description, hull, actuators, limits, guidance, control } = file;
-        let baselines = Baselines::matching(&guidance, &control);
-        Self { name, description, hull, actuators, limits, guidance, control, baselines }
+        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control, baselines } =
+            file;
+        let baselines = baselines.unwrap_or_else(|| Baselines::matching(&guidance, &control));
+        Self { name, description, hull, actuators, limits, observer, guidance, control, baselines }
     }
 }
 
 /// One boat, checked.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(from = "BoatFile")]
 pub struct Boat {
     /// Short name.
@@ -67,6 +73,8 @@ pub struct Boat {
     pub actuators: Actuators,
     /// What the boat may be asked to do.
     pub limits: Limits,
+    /// How waves and noise are told from motion.
+    pub observer: ObserverSettings,
     /// Guidance gains.
     pub guidance: GuidanceSettings,
     /// Controller gains.
@@ -76,7 +84,7 @@ pub struct Boat {
 }
 
 /// Actuators of a boat.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Actuators {
     /// Two fixed thrusters behind the autopilot's skid-steer mixer.
@@ -88,7 +96,7 @@ pub enum Actuators {
 }
 
 /// What the boat may be asked to do.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Speed over ground where neither the user nor the mission says, m/s.
@@ -110,7 +118,7 @@ pub struct Limits {
 }
 
 /// Gains of the adaptive PI sliding-mode controller.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlSettings {
     /// Heading gain k_ψ, 1/s.
@@ -165,6 +173,12 @@ impl Limits {
 }
 
 impl Boat {
+    /// Its steering works by the flow of the water past it: not by two thrusters.
+    #[must_use]
+    pub fn steers_by_flow(&self) -> bool {
+        !matches!(self.actuators, Actuators::TwinThrusters(_))
+    }
+
     /// Names of the embedded boats.
     pub fn names() -> impl Iterator<Item = &'static str> {
         EMBEDDED.iter().map(|(name, _)| *name)

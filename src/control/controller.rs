@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::baselines::{Pid, SignSmc, SpeedPi};
@@ -11,7 +12,8 @@ use super::pi_smc::PiSmc;
 use crate::guidance::{EndOfPath, Guidance, LineOfSight, Practical, ToVirtualShip};
 
 /// A controller: guidance and law together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Controller {
     /// Adaptive PI sliding mode behind the practical guidance, with delay prediction: Helmlink's own.
     #[default]
@@ -39,6 +41,8 @@ pub(super) struct Equipment {
     /// The sway model and the estimate of the current; without it the motion over ground is taken for the one
     /// through the water.
     pub(super) observes_water: bool,
+    /// Waves and noise are taken out of the state.
+    pub(super) observes_state: bool,
     /// The state is predicted across a known delay.
     pub(super) predicts: bool,
 }
@@ -69,10 +73,12 @@ impl Controller {
 
     pub(super) fn equipment(self) -> Equipment {
         match self {
-            Self::PiSmc => Equipment { observes_water: true, predicts: true },
-            Self::Pid | Self::SignSmc => Equipment { observes_water: true, predicts: false },
+            Self::PiSmc => Equipment { observes_water: true, observes_state: true, predicts: true },
+            Self::Pid | Self::SignSmc => {
+                Equipment { observes_water: true, observes_state: false, predicts: false }
+            }
             Self::PiSmcPaper | Self::IlosPid | Self::AlosPid => {
-                Equipment { observes_water: false, predicts: false }
+                Equipment { observes_water: false, observes_state: false, predicts: false }
             }
         }
     }

@@ -164,7 +164,11 @@ impl Controller {
     #[must_use]
     pub fn gains(self) -> Vec<Gain> {
         match self {
-            Self::PiSmc => joined(practical!(b => b.guidance), sliding!(b => b.control)),
+            Self::PiSmc => {
+                let mut gains = joined(practical!(b => b.guidance), sliding!(b => b.control));
+                gains.extend(observer());
+                gains
+            }
             Self::PiSmcPaper => joined(
                 practical!(b => b.baselines.pi_smc_paper.guidance),
                 sliding!(b => b.baselines.pi_smc_paper.control),
@@ -184,6 +188,15 @@ impl Controller {
 fn joined<const N: usize>(mut first: Vec<Gain>, second: [Gain; N]) -> Vec<Gain> {
     first.extend(second);
     first
+}
+
+fn observer() -> [Gain; 4] {
+    [
+        gain!(true, "observer.noise_radps", b => b.observer.noise_radps),
+        gain!(true, "observer.noise_mps", b => b.observer.noise_mps),
+        gain!(true, "observer.turn_bandwidth_radps", b => b.observer.turn_bandwidth_radps),
+        gain!(true, "observer.move_bandwidth_radps", b => b.observer.move_bandwidth_radps),
+    ]
 }
 
 fn sign_smc() -> [Gain; 9] {

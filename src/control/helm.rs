@@ -9,6 +9,7 @@ use super::command::Command;
 use super::controller::{Controller, Equipment};
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
+use super::observer::Observer;
 use super::predictor::Predictor;
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError, VesselState, Water, unit};
@@ -62,6 +63,8 @@ pub struct Diagnostics {
     pub yaw_demand_nm: f64,
     /// Estimate of the water.
     pub water: Water,
+    /// Speed over ground over speed through the water, along the bow; 1 where either is too slow to tell.
+    pub ground_per_water: f64,
     /// Whether a limit cut surge off.
     pub surge_saturated: bool,
     /// Whether a limit cut yaw off.
@@ -77,6 +80,18 @@ pub struct Output {
     pub diagnostics: Diagnostics,
 }
 
+/// Range of the ratio of ground to water speed that is told: against the current the firmware has rudder enough.
+const GROUND_PER_WATER: (f64, f64) = (1.0, 2.5);
+
+fn ground_per_water(ground_mps: f64, water_mps: f64) -> f64 {
+    /// Slower than this the ratio says nothing, m/s.
+    const LEAST_MPS: f64 = 0.3;
+    if ground_mps < LEAST_MPS || water_mps < LEAST_MPS {
+        return 1.0;
+    }
+    (ground_mps / water_mps).clamp(GROUND_PER_WATER.0, GROUND_PER_WATER.1)
+}
+
 /// Guidance, law and allocation of one boat.
 pub struct Helm {
     hull: Hull,
@@ -88,6 +103,7 @@ pub struct Helm {
     allocator: Allocator,
     sway: SwayModel,
     drift: DriftEstimator,
+    observer: Option<Observer>,
     predictor: Predictor,
     side_force_n: f64,
 }
@@ -112,6 +128,7 @@ impl Helm {
             allocator: Allocator::new(&boat.actuators, &boat.hull),
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
+            observer: controller.equipment().observes_state.then(|| Observer::new(boat.observer)),
             predictor: Predictor::default(),
             side_force_n: 0.0,
         }
@@ -151,6 +168,9 @@ impl Helm {
             DriftEstimator::default()
         };
         self.predictor.reset();
+        if let Some(observer) = &mut self.observer {
+            observer.reset();
+        }
         self.side_force_n = 0.0;
         Ok(())
     }
@@ -175,6 +195,12 @@ impl Helm {
         if !(0.0..=self.speed_max_mps).contains(&speed_mps) {
             return Err(HelmError::Speed { speed_mps, most_mps: self.speed_max_mps });
         }
+        let acted = self.predictor.advance(dt_s);
+        let observed = match &mut self.observer {
+            Some(observer) => observer.observe(dt_s, &self.hull, state, acted, self.drift.current()),
+            None => *state,
+        };
+        let state = &observed;
         let measured = self.observe_water(dt_s, state);
         let current = self.drift.current();
         let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
@@ -199,6 +225,7 @@ impl Helm {
                 surge_demand_n: demand.surge_n,
                 yaw_demand_nm: demand.yaw_nm,
                 water,
+                ground_per_water: ground_per_water(state.surge_mps, motion.surge_mps),
                 surge_saturated: allocation.surge_saturated,
                 yaw_saturated: allocation.yaw_saturated,
             },

@@ -13,6 +13,7 @@
 //! | [`filter`] | command filter |
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
 //! | [`command`] | throttle and steering, normalised |
+//! | [`observer`] | the state without waves and noise |
 //! | [`predictor`] | the state when the command chosen now takes effect |
 //! | [`helm`] | the façade: state and path in, command out |
 
@@ -29,6 +30,7 @@ pub mod gains;
 pub mod helm;
 pub mod law;
 pub mod model;
+pub mod observer;
 pub mod pi_smc;
 pub mod predictor;
 

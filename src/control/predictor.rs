@@ -32,6 +32,8 @@ pub struct Predictor {
     pending: [Pending; CAPACITY],
     first: usize,
     count: usize,
+    /// Mean of the forces that acted in the last step.
+    acted: Wrench,
     last: Option<WaterMotion>,
     /// Surge (m/s²) and yaw (rad/s²) acceleration that the model does not explain.
     bias: [f64; 2],
@@ -44,6 +46,7 @@ impl Default for Predictor {
             pending: [Pending::default(); CAPACITY],
             first: 0,
             count: 0,
+            acted: Wrench::default(),
             last: None,
             bias: [0.0; 2],
         }
@@ -71,8 +74,17 @@ impl Predictor {
         self.count += 1;
     }
 
+    /// Time has passed: returns the mean of the forces that acted in the last `dt_s`.
+    pub fn advance(&mut self, dt_s: f64) -> Wrench {
+        if let Some(newest) = self.count.checked_sub(1) {
+            self.pending[(self.first + newest) % CAPACITY].duration_s = dt_s;
+        }
+        self.acted = self.retire();
+        self.acted
+    }
+
     /// The state and the motion through the water one delay after `state`, which was measured `dt_s` after the
-    /// last one. `motion` is the boat's motion through the water and `current` the water's over ground.
+    /// last one; call [`Self::advance`] first. `motion` is the boat's motion through the water and `current` the water's over ground.
     pub fn predict(
         &mut self,
         dt_s: f64,
@@ -85,11 +97,7 @@ impl Predictor {
             self.count = 0;
             return (*state, motion);
         }
-        if let Some(newest) = self.count.checked_sub(1) {
-            self.pending[(self.first + newest) % CAPACITY].duration_s = dt_s;
-        }
-        let acted = self.retire();
-        self.learn(dt_s, hull, motion, acted);
+        self.learn(dt_s, hull, motion, self.acted);
         self.last = Some(motion);
 
         let mut ahead = Ahead { state: *state, motion };

@@ -82,6 +82,7 @@ impl SpeedLimits {
         let discriminant = 1.0 - 4.0 * along / still_water;
         let by_rate =
             if discriminant > 0.0 { 0.5 * still_water * (1.0 + discriminant.sqrt()) } else { 2.0 * along };
-        by_rate.min((self.lateral_acceleration_mps2 / curvature).sqrt())
+        // Slower than 2w in a following current the bow would have to turn faster again.
+        by_rate.min((self.lateral_acceleration_mps2 / curvature).sqrt().max(2.0 * along))
     }
 }

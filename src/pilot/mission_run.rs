@@ -189,6 +189,12 @@ impl MissionRun {
         self.progress
     }
 
+    /// Tells the time from a measurement to the effect of the command made from it, seconds; see
+    /// [`Helm::set_delay_s`].
+    pub fn set_delay_s(&mut self, delay_s: f64) {
+        self.helm.set_delay_s(delay_s);
+    }
+
     /// Takes over from another controller: everything that the law has integrated starts anew, the place in the
     /// mission is kept.
     pub fn engage(&mut self, state: &VesselState) -> Result<(), HelmError> {
@@ -273,7 +279,9 @@ impl MissionRun {
             throttle: output.command.throttle,
             steering: output.command.steering,
             speed_mps: output.diagnostics.law.alpha_u_mps,
-            yaw_rate_radps: output.diagnostics.law.alpha_r_radps,
+            // The firmware divides its steering by the speed over ground: with the current it steers too little.
+            yaw_rate_radps: output.diagnostics.law.alpha_r_radps
+                * if self.boat.steers_by_flow() { output.diagnostics.ground_per_water } else { 1.0 },
         };
         if stretch.astern {
             step.demand.throttle = -step.demand.throttle;

@@ -9,6 +9,7 @@
 //! | [`scenario`] | named seas, sensors and delays of a published comparison |
 //! | [`perturbation`] | what differs from what the controller was made for |
 //! | [`comparison`] | controllers side by side |
+//! | [`tuning`] | gains by search |
 //! | [`parallel`] | many runs on several threads |
 //! | [`statistics`] | means and their confidence |
 
@@ -21,6 +22,7 @@ pub mod scenario;
 pub mod score;
 pub mod statistics;
 pub mod trial;
+pub mod tuning;
 
 pub use closed_loop::{ClosedLoop, Outcome};
 pub use perturbation::Perturbation;

@@ -68,7 +68,7 @@ impl Trial {
     ///
     /// # Errors
     /// The simulated boat refuses its settings or its mission.
-    pub fn closed_loop(&self) -> Result<ClosedLoop, TrialError> {
+    pub fn parties(&self) -> Result<(Sitl, Bridge), TrialError> {
         let settings = BridgeSettings {
             controller: self.controller,
             output: self.output,
@@ -87,8 +87,17 @@ impl Trial {
             ..SitlSettings::new(self.hull.clone())
         })?;
         sitl.set_mission(&self.mission.items).map_err(TrialError::TooLong)?;
+        Ok((sitl, Bridge::new(settings)))
+    }
+
+    /// The two of [`Self::parties`], joined.
+    ///
+    /// # Errors
+    /// See [`Self::parties`].
+    pub fn closed_loop(&self) -> Result<ClosedLoop, TrialError> {
+        let (sitl, bridge) = self.parties()?;
         let delay = Duration::from_secs_f64(self.delay_s.max(0.0));
-        Ok(ClosedLoop::new(sitl, Bridge::new(settings), self.home).with_delay(delay))
+        Ok(ClosedLoop::new(sitl, bridge, self.home).with_delay(delay))
     }
 
     /// Runs to the end, or as long as is reasonable for this distance and speed.

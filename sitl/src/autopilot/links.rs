@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use helmlink_wire::LinkId;
 use helmlink_wire::dialect::{CharArray, Message, STATUSTEXT_DATA};
 use helmlink_wire::encoder::Encoder;
 use helmlink_wire::frame::Identity;
 use helmlink_wire::framer::{Framer, IDLE_FLUSH};
+use helmlink_wire::signing::{Signing, Timestamp, Unsigned};
+use helmlink_wire::{Frame, LinkId};
 
 use super::parameters::Listing;
 use super::routes::Routes;
@@ -58,11 +59,13 @@ pub(super) struct Links {
     links: BTreeMap<LinkId, Link>,
     pub(super) routes: Routes,
     pub(super) own: Identity,
+    /// What frames are signed and checked with.
+    signing: Option<Signing>,
 }
 
 impl Links {
     pub(super) fn new(own: Identity) -> Self {
-        Self { links: BTreeMap::new(), routes: Routes::default(), own }
+        Self { links: BTreeMap::new(), routes: Routes::default(), own, signing: None }
     }
 
     /// Opens a link; `false` if there are too many already.
@@ -129,12 +132,33 @@ impl Links {
     }
 
     /// Sends a message on one link.
-    pub(super) fn send(&mut self, link: LinkId, message: &Message) {
-        if let Some(link) = self.links.get_mut(&link)
+    pub(super) fn send(&mut self, id: LinkId, message: &Message) {
+        if let Some(link) = self.links.get_mut(&id)
             && let Some(packet) = link.outbox.packet()
         {
+            let start = packet.len();
             link.encoder.encode(self.own, message, packet);
+            if let Some(signing) = &mut self.signing {
+                signing.sign(id.0 as u8, packet, start);
+            }
         }
+    }
+
+    /// Signs frames from now on, or no longer.
+    pub(super) fn set_signing(&mut self, signing: Option<Signing>) {
+        self.signing = signing;
+    }
+
+    /// Tells the signatures' clock the time.
+    pub(super) fn observe_time(&mut self, now: Timestamp) {
+        if let Some(signing) = &mut self.signing {
+            signing.observe_time(now);
+        }
+    }
+
+    /// Whether a frame may be acted on: with a key, only if its signature is right.
+    pub(super) fn is_trusted(&mut self, frame: &Frame<'_>) -> bool {
+        self.signing.as_mut().is_none_or(|signing| signing.check(frame, Unsigned::Refused).is_ok())
     }
 
     /// Sends a message on every link.

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use helmlink_wire::dialect::*;
-use helmlink_wire::enums::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED;
+use helmlink_wire::enums::{MAV_MODE_FLAG_CUSTOM_MODE_ENABLED, MAV_SEVERITY_WARNING};
+use helmlink_wire::signing::{Signing, SigningKey, Timestamp};
 use helmlink_wire::{Identity, LinkId};
 
 use super::Autopilot;
@@ -46,6 +47,7 @@ impl Autopilot {
             Message::SET_POSITION_TARGET_GLOBAL_INT(data) => self.take_global_target(data),
             Message::SYSTEM_TIME(data) => self.take_lockstep_answer(link, data),
             Message::TIMESYNC(data) => self.answer_timesync(link, from, data),
+            Message::SETUP_SIGNING(data) => self.setup_signing(data),
             Message::PING(data) => self.answer_ping(link, from, data),
             Message::FILE_TRANSFER_PROTOCOL(data) => {
                 for answer in self.ftp.answers(link, from, data, &self.parameters) {
@@ -98,6 +100,18 @@ impl Autopilot {
             };
             self.links.send(link, &Message::TIMESYNC(answer));
         }
+    }
+
+    /// SETUP_SIGNING: a new key, or none if it is all zeroes. Not while armed, as on ArduRover.
+    fn setup_signing(&mut self, data: &SETUP_SIGNING_DATA) {
+        if self.armed {
+            self.links.text(MAV_SEVERITY_WARNING, "ERROR: Won't setup signing when armed");
+            return;
+        }
+        self.signing_since = Timestamp::from_units(data.initial_timestamp);
+        let key = SigningKey::from_bytes(data.secret_key).ok();
+        self.links.set_signing(key.map(|key| Signing::new(key, self.signing_since)));
+        self.signing_started = self.now;
     }
 
     fn answer_ping(&mut self, link: LinkId, from: Identity, data: &PING_DATA) {

@@ -38,6 +38,8 @@ mod rc;
 mod reception;
 mod routes;
 mod settings;
+#[cfg(test)]
+mod signing_tests;
 mod steering;
 mod streams;
 mod telemetry;
@@ -55,6 +57,7 @@ use helmlink_mission::protocol::MissionType;
 use helmlink_mission::protocol::server::{MissionServer, Settings as MissionSettings};
 use helmlink_wire::dialect::{Message, TIMESYNC_DATA};
 use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
+use helmlink_wire::signing::{Signing, Timestamp};
 use helmlink_wire::{Identity, LinkId};
 
 pub(crate) use modes::mode_number;
@@ -138,6 +141,9 @@ pub(crate) struct Autopilot {
     /// A computer that starts says nothing until then.
     silent_until: Duration,
     faults: FaultClock,
+    /// Time of the signatures when signing was set up, and simulated time then.
+    signing_since: Timestamp,
+    signing_started: Duration,
 }
 
 impl Autopilot {
@@ -163,7 +169,7 @@ impl Autopilot {
             })?;
         }
         let own = own_identity(&parameters);
-        Ok(Self {
+        let mut autopilot = Self {
             settings,
             twin,
             frame: LocalFrame::new(origin),
@@ -196,7 +202,14 @@ impl Autopilot {
             clock: Clock::default(),
             silent_until: Duration::ZERO,
             faults: FaultClock::default(),
-        })
+            signing_since: Timestamp::default(),
+            signing_started: Duration::ZERO,
+        };
+        if let Some((key, since)) = autopilot.settings.signing.clone() {
+            autopilot.signing_since = since;
+            autopilot.links.set_signing(Some(Signing::new(key, since)));
+        }
+        Ok(autopilot)
     }
 
     pub(crate) fn link_up(&mut self, link: LinkId) -> bool {
@@ -264,6 +277,7 @@ impl Autopilot {
             return;
         }
         let before = self.now.saturating_sub(LOOP);
+        self.links.observe_time(self.signing_since.later(self.now.saturating_sub(self.signing_started)));
         self.continue_parameter_lists();
         self.send_due(before);
         if self.passes(TIMESYNC_PERIOD) {

@@ -1,6 +1,7 @@
 //! From the bytes of a link to messages: passed on, acted upon, or both.
 
 use helmlink_wire::dialect::{MessageData, RADIO_DATA, RADIO_STATUS_DATA};
+use helmlink_wire::signing::is_secret;
 use helmlink_wire::{Frame, LinkId};
 
 use super::Autopilot;
@@ -27,7 +28,8 @@ impl Autopilot {
         let (from, own) = (frame.identity(), self.links.own);
         // Reports of the radio about itself concern its own link alone.
         let is_local = matches!(frame.message_id(), RADIO_STATUS_DATA::ID | RADIO_DATA::ID);
-        if from == own || from.system == 0 || is_local || self.is_starting() {
+        if from == own || from.system == 0 || is_local || self.is_starting() || !self.links.is_trusted(frame)
+        {
             return;
         }
         let message = if frame.is_verified() { frame.decode().ok() } else { None };
@@ -36,8 +38,11 @@ impl Autopilot {
             self.links.routes.learn(from, link);
         }
         let verdict = self.links.routes.decide(own, from, target, link, &self.links.ids());
-        for to in verdict.onward {
-            self.links.forward(to, frame.bytes());
+        // Nobody else is to hear a key.
+        if !is_secret(frame.message_id()) {
+            for to in verdict.onward {
+                self.links.forward(to, frame.bytes());
+            }
         }
         if let Some(message) = message
             && verdict.here

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use helmlink_wire::signing::{SigningKey, Timestamp};
+
 /// Settings of the autopilot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AutopilotSettings {
@@ -13,11 +15,14 @@ pub struct AutopilotSettings {
     pub has_rc_receiver: bool,
     /// Parameters to begin with, by name, on top of the defaults and the tuning for the hull.
     pub parameters: Vec<(String, f32)>,
+    /// The key of the links, and the time from which signatures count: frames are signed with it, and those
+    /// that are not are refused. A client changes it with SETUP_SIGNING. Without one nothing is signed.
+    pub signing: Option<(SigningKey, Timestamp)>,
 }
 
 impl Default for AutopilotSettings {
     fn default() -> Self {
-        Self { start_up: StartUp::default(), has_rc_receiver: true, parameters: Vec::new() }
+        Self { start_up: StartUp::default(), has_rc_receiver: true, parameters: Vec::new(), signing: None }
     }
 }
 

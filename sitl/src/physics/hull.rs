@@ -4,6 +4,7 @@
 //! reads another one and refuses what cannot float.
 
 use super::{hull_check, hull_file};
+use crate::toml_place::in_words;
 
 /// One boat, validated. All quantities SI, about an origin amidships on the centre line, body axes
 /// x forward, y to starboard, yaw positive to starboard.
@@ -190,10 +191,12 @@ pub enum HullError {
     #[error("the hull file cannot be read: {0}")]
     Syntax(String),
     /// A number outside its range.
-    #[error("hull key `{key}` is {value}: it must be {allowed}")]
+    #[error("hull key `{key}`{} is {value}: it must be {allowed}", in_words(*.line))]
     OutOfRange {
         /// Dotted key in the file.
         key: String,
+        /// Its line in the file, from 1.
+        line: Option<usize>,
         /// What the file says.
         value: f64,
         /// The allowed range in words, with unit.

@@ -41,7 +41,10 @@ pub(super) fn check(hull: &Hull) -> Result<(), HullError> {
             hull.cruise_speed_mps
         )));
     }
-    Ok(())
+    match &hull.dynamics {
+        HullDynamics::Maneuvering(body, _) => keeps_straight(hull, body),
+        HullDynamics::Motorboat(_) => Ok(()),
+    }
 }
 
 /// Least and greatest mean draught m11/(ρ·L·B), as a share of the beam, that mass, length and beam of one and
@@ -68,10 +71,40 @@ fn floats(hull: &Hull, body: &Maneuvering) -> Result<(), HullError> {
             return Ok(());
         }
         let allowed = format!("at most {most_m2:.2} m² on a hull of this size");
-        Err(HullError::OutOfRange { key: key.to_owned(), value: area_m2, allowed })
+        Err(HullError::OutOfRange { key: key.to_owned(), line: None, value: area_m2, allowed })
     };
     limit("wind.frontal_area_m2", wind.frontal_area_m2, hull.beam_m)?;
     limit("wind.lateral_area_m2", wind.lateral_area_m2, hull.length_m)
+}
+
+/// Fastest growth of a swerve that a helmsman can follow, as e-folds per length travelled. Ships that are
+/// called unstable reach a half, the Otter 0.4.
+const FASTEST_SWERVE: f64 = 1.0;
+
+/// In still water at cruise speed and with the helm amidships, sway and yaw must not run away from each other:
+/// straight-line stability (Fossen 2021, §15.1), with some room for hulls that need a helmsman.
+fn keeps_straight(hull: &Hull, body: &Maneuvering) -> Result<(), HullError> {
+    let u = hull.cruise_speed_mps;
+    let determinant = body.m22_kg * body.m33_kgm2 - body.m23_kgm * body.m23_kgm;
+    // Forces per sway speed and yaw rate, linearised; the Munk moment is (m11 − m22)·u·v.
+    let (sway_v, sway_r) = (-body.sway.linear, -body.m11_kg * u);
+    let (yaw_v, yaw_r) = ((body.m11_kg - body.m22_kg) * u, -body.m23_kgm * u - body.yaw.linear);
+    let sway = |sway: f64, yaw: f64| (body.m33_kgm2 * sway - body.m23_kgm * yaw) / determinant;
+    let turn = |sway: f64, yaw: f64| (body.m22_kg * yaw - body.m23_kgm * sway) / determinant;
+    let trace = sway(sway_v, yaw_v) + turn(sway_r, yaw_r);
+    let product = sway(sway_v, yaw_v) * turn(sway_r, yaw_r) - sway(sway_r, yaw_r) * turn(sway_v, yaw_v);
+    let growth_per_s = 0.5 * trace + (0.25 * trace * trace - product).max(0.0).sqrt();
+    let growth = growth_per_s * hull.length_m / u;
+    if growth <= FASTEST_SWERVE {
+        return Ok(());
+    }
+    Err(HullError::Layout(format!(
+        "the hull is unstable in still water: at {u} m/s a swerve grows {:.1}-fold over each length travelled, \
+         faster than any helm can follow (at most {:.1}-fold); raise `damping.sway.linear` or \
+         `damping.yaw.linear`, or bring `inertia.m22_kg` closer to `inertia.m11_kg`",
+        growth.exp(),
+        FASTEST_SWERVE.exp()
+    )))
 }
 
 /// Largest thrust ahead of the whole drive, N.
@@ -175,6 +208,24 @@ mod tests {
     fn a_hull_without_drag_is_refused() {
         let text = Hull::builtin_text("otter").unwrap().replace("linear = 77.554", "linear = 0");
         assert!(Hull::from_toml(&text).unwrap_err().to_string().contains("`damping.surge` never balances"));
+    }
+
+    #[test]
+    fn a_hull_that_no_helm_can_follow_is_refused() {
+        let text = Hull::builtin_text("otter").unwrap();
+        let text = text.replace("m22_kg = 162.5", "m22_kg = 562.5").replace("linear = 162.5", "linear = 16");
+        let message = Hull::from_toml(&text).unwrap_err().to_string();
+        assert!(message.contains("unstable in still water"), "{message}");
+        assert!(message.contains("damping.yaw.linear"), "{message}");
+    }
+
+    #[test]
+    fn a_figure_out_of_its_range_names_its_line() {
+        let text = Hull::builtin_text("otter").unwrap().replace("m11_kg = 85.5", "m11_kg = -85.5");
+        let line = text.lines().position(|line| line.starts_with("m11_kg")).unwrap() + 1;
+        let message = Hull::from_toml(&text).unwrap_err().to_string();
+        let expected = format!("`inertia.m11_kg` (line {line}) is -85.5: it must be between");
+        assert!(message.contains(&expected), "{message}");
     }
 
     #[test]

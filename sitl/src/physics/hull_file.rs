@@ -6,6 +6,7 @@ use super::hull::{
     TwinThrusters, WaveResponse, WindLoads,
 };
 use super::hull_check;
+use crate::toml_place::line_of;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -132,6 +133,15 @@ struct WavesTable {
 
 /// Parses and validates a hull file.
 pub(super) fn parse(text: &str) -> Result<Hull, HullError> {
+    checked(text).map_err(|error| match error {
+        HullError::OutOfRange { key, value, allowed, .. } => {
+            HullError::OutOfRange { line: line_of(text, &key), key, value, allowed }
+        }
+        other => other,
+    })
+}
+
+fn checked(text: &str) -> Result<Hull, HullError> {
     let file: HullFile = toml::from_str(text).map_err(|error| HullError::Syntax(error.to_string()))?;
     if file.name.trim().is_empty() {
         return Err(HullError::Layout("hull key `name` is empty: give the boat a name".to_owned()));
@@ -326,5 +336,5 @@ fn within(key: &str, value: f64, min: f64, max: f64, unit: &str) -> Result<f64, 
         return Ok(value);
     }
     let allowed = format!("between {min} and {max} {unit}").trim_end().to_owned();
-    Err(HullError::OutOfRange { key: key.to_owned(), value, allowed })
+    Err(HullError::OutOfRange { key: key.to_owned(), line: None, value, allowed })
 }

@@ -24,7 +24,7 @@ const HOME: Geodetic = Geodetic { latitude_deg: 63.44, longitude_deg: 10.4 };
 const LINK: LinkId = LinkId(1);
 
 fn common() -> Common {
-    Common { json: false, verbose: 0, quiet: true, config: None, dry_run: false }
+    Common { quiet: true, ..Common::default() }
 }
 
 fn boat() -> Sitl {

@@ -19,6 +19,7 @@ impl Boat {
         check(&self.hull_rules())?;
         check(&self.actuator_rules())?;
         check(&self.limit_rules())?;
+        check(&self.observer_rules())?;
         check(&self.guidance_rules())?;
         check(&[("control.heading_gain", self.control.heading_gain, TINY, 10.0, "k_psi, 1/s")])?;
         check(&axis_rules(&self.control.surge, &SURGE_KEYS))?;
@@ -78,6 +79,17 @@ impl Boat {
             ("guidance.preview_s", g.preview_s, 0.0, 30.0, "curvature preview, s"),
             ("guidance.speed_preview_s", g.speed_preview_s, 0.0, 60.0, "speed preview, s"),
             ("guidance.creep_mps", g.creep_mps, 0.01, 5.0, "least speed of the final approach, m/s"),
+        ]
+    }
+
+    fn observer_rules(&self) -> [Rule; 4] {
+        let o = &self.observer;
+        let bandwidth = "bandwidth, rad/s";
+        [
+            ("observer.noise_radps", o.noise_radps, TINY, 10.0, "noise in yaw rate, rad/s"),
+            ("observer.noise_mps", o.noise_mps, TINY, 10.0, "noise in speed, m/s"),
+            ("observer.turn_bandwidth_radps", o.turn_bandwidth_radps, 0.001, 50.0, bandwidth),
+            ("observer.move_bandwidth_radps", o.move_bandwidth_radps, 0.001, 50.0, bandwidth),
         ]
     }
 
@@ -188,7 +200,7 @@ fn axis_rules(a: &AxisSettings, keys: &[&'static str; 14]) -> [Rule; 14] {
     ]
 }
 
-fn check(rules: &[Rule]) -> Result<(), BoatError> {
+pub(super) fn check(rules: &[Rule]) -> Result<(), BoatError> {
     for &(key, value, least, most, meaning) in rules {
         // NaN is in no range.
         if !(least..=most).contains(&value) {

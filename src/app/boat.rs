@@ -1,0 +1,63 @@
+//! `helmlink boat`: a boat file by rule, for a boat about which little is known.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::cli::Common;
+use super::console;
+use super::failure::Failure;
+use super::trial;
+use crate::control::Boat;
+use crate::control::boat::derived::Particulars;
+
+/// `helmlink boat`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Example, for a boat of 2.8 m that makes 3.8 m/s and turns in 14 m:
+  helmlink boat --length 2.8 --top-speed 3.8 --turning-circle 14 --out my-boat.toml
+  helmlink simulate mission/plans/harbour-survey.waypoints --boat skiff --boat-file my-boat.toml")]
+pub struct BoatArgs {
+    /// Length of the hull, m
+    #[arg(long, value_name = "M")]
+    pub length: f64,
+    /// Speed through the water at full throttle, m/s
+    #[arg(long, value_name = "M/S")]
+    pub top_speed: f64,
+    /// Diameter of the circle at full steering and half throttle, m
+    #[arg(long, value_name = "M")]
+    pub turning_circle: f64,
+    /// From a command to its effect, seconds: transport, autopilot and servo
+    #[arg(long, default_value_t = 0.2, value_name = "S")]
+    pub delay: f64,
+    /// Name of the boat
+    #[arg(long, default_value = "my-boat")]
+    pub name: String,
+    /// Write the boat file there instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+pub(super) fn run(args: &BoatArgs) -> Result<(), Failure> {
+    let particulars = Particulars {
+        length_m: args.length,
+        top_speed_mps: args.top_speed,
+        turning_circle_m: args.turning_circle,
+        delay_s: args.delay,
+    };
+    let text = Boat::derived_file(&args.name, &particulars).map_err(Failure::usage)?;
+    // What is written can be used.
+    Boat::from_toml(&text).map_err(Failure::failed)?;
+    if let Some(path) = &args.out {
+        trial::write(path, &text, "--out")?;
+    }
+    if args.common.json {
+        console::say(&serde_json::json!({ "name": args.name, "boat_file": text }).to_string());
+    } else if args.out.is_none() {
+        console::say(text.trim_end());
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+use helmlink_mission::plan::Mission;
+use helmlink_mission::route::Route;
+use helmlink_sitl::physics::{ActuatorCommand, Hull, Pose, Sea, SensorSettings, Vessel};
+
+use super::*;
+use crate::control::Controller;
+use crate::simulation::Trial;
+use crate::vehicle::OutputKind;
+
+/// What an owner would measure: one run along a line at full throttle, one circle at half throttle.
+fn measured(hull: &Hull) -> Particulars {
+    let command = |throttle: f64, steering: f64| {
+        if hull.has_twin_thrusters() {
+            ActuatorCommand::TwinThrusters { left: throttle + steering, right: throttle - steering }
+        } else {
+            ActuatorCommand::ThrottleSteering { throttle, steering }
+        }
+    };
+    let run = |throttle: f64, steering: f64| {
+        let (sea, sensors) = (Sea::default(), SensorSettings::perfect());
+        let mut vessel = Vessel::new(hull.clone(), &sea, &sensors, 1, Pose::default());
+        vessel.step(60.0, command(throttle, steering));
+        let state = vessel.truth().hull;
+        (state.u_mps.hypot(state.v_mps), state.r_radps)
+    };
+    let (top_speed_mps, _) = run(1.0, 0.0);
+    let (speed_mps, rate_radps) = run(0.5, if hull.has_twin_thrusters() { 0.4 } else { 1.0 });
+    Particulars {
+        length_m: hull.length_m,
+        top_speed_mps,
+        turning_circle_m: 2.0 * speed_mps / rate_radps,
+        delay_s: 0.1,
+    }
+}
+
+#[test]
+fn a_boat_by_rule_drives_hulls_that_the_rule_was_not_made_for() {
+    let mission: Mission = include_str!("../../../../mission/plans/arcs-otter.waypoints").parse().unwrap();
+    let route = Route::from_mission(&mission).unwrap();
+    for name in ["skiff", "otter"] {
+        let hull = Hull::builtin(name).unwrap();
+        let boat = Boat::derived(name, &measured(&hull)).unwrap();
+        let trial = Trial {
+            boat,
+            controller: Controller::PiSmc,
+            output: OutputKind::RcOverride,
+            speed_mps: Some(1.2),
+            interval_s: 0.04,
+            sea: Sea { current: Some("0.2@40".parse().unwrap()), ..Sea::default() },
+            sensors: SensorSettings::typical(),
+            seed: 21,
+            delay_s: 0.0,
+            home: mission.home.unwrap(),
+            heading_rad: 0.0,
+            mission: mission.clone(),
+            route: route.clone(),
+            hull: hull.clone(),
+        };
+        let outcome = trial.run().unwrap();
+        let error_m = outcome.score.as_ref().unwrap().path_error_m.unwrap().rms;
+        assert!(outcome.completed && error_m < 0.25 * hull.length_m, "{name}: {error_m} {outcome:?}");
+    }
+}
+
+#[test]
+fn boats_of_any_size_are_within_the_ranges() {
+    for length_m in [0.5, 2.0, 8.0, 38.0, 120.0] {
+        for delay_s in [0.0, 0.3, 2.0] {
+            let particulars = Particulars {
+                length_m,
+                top_speed_mps: 1.5 * f64::sqrt(length_m),
+                turning_circle_m: 4.0 * length_m,
+                delay_s,
+            };
+            Boat::derived("any", &particulars).unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_named() {
+    let good = Particulars { length_m: 3.0, top_speed_mps: 3.0, turning_circle_m: 10.0, delay_s: 0.2 };
+    for (bad, named) in [
+        (Particulars { length_m: f64::NAN, ..good }, "length"),
+        (Particulars { top_speed_mps: 0.0, ..good }, "top-speed"),
+        (Particulars { turning_circle_m: -1.0, ..good }, "turning-circle"),
+        (Particulars { delay_s: 9.0, ..good }, "delay"),
+    ] {
+        assert!(Boat::derived("bad", &bad).unwrap_err().to_string().contains(named));
+    }
+}
