@@ -8,8 +8,12 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use super::boat::BoatArgs;
 use super::bridge::BridgeArgs;
 use super::compare::CompareArgs;
+use super::config_command::ConfigCommand;
+use super::console::LogFormat;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
+use super::replay::ReplayArgs;
+use super::report::ReportArgs;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
 use super::tune::TuneArgs;
@@ -45,6 +49,10 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
+    /// Put a recorded log through the controller, prove a recording, or play it to a link
+    Replay(Box<ReplayArgs>),
+    /// Make a page, tables and Foxglove files of a log
+    Report(Box<ReportArgs>),
     /// Find gains by search in simulation
     Tune(Box<TuneArgs>),
     /// Write a boat file by rule, from length, top speed and turning circle
@@ -52,10 +60,13 @@ pub enum Command {
     /// Check, draw, convert, send and fetch missions
     #[command(subcommand)]
     Mission(MissionCommand),
+    /// Show, check and describe configuration files
+    #[command(subcommand)]
+    Config(ConfigCommand),
 }
 
 /// Options that every subcommand has.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Common {
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -66,6 +77,9 @@ pub struct Common {
     /// Say only what went wrong
     #[arg(short, long)]
     pub quiet: bool,
+    /// How messages are written: as text, or as one JSON object a line
+    #[arg(long, default_value = "text", value_name = "text|json")]
+    pub log_format: LogFormat,
     /// Read options from a TOML file; its tables are named after the subcommands
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -83,9 +97,12 @@ impl Command {
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
+            Self::Replay(args) => &args.common,
+            Self::Report(args) => &args.common,
             Self::Tune(args) => &args.common,
             Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),
+            Self::Config(command) => command.common(),
         }
     }
 }

@@ -1,11 +1,34 @@
 //! Standard output and standard error: results on the one, messages on the other.
 
 use std::io::{IsTerminal, Write};
+use std::str::FromStr;
 
 use tracing_subscriber::EnvFilter;
 
 use super::cli::Common;
 use crate::bridge::Event;
+
+/// How messages are written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people.
+    #[default]
+    Text,
+    /// One JSON object a line.
+    Json,
+}
+
+impl FromStr for LogFormat {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "text" => Ok(Self::Text),
+            "json" => Ok(Self::Json),
+            other => Err(format!("`{other}` is neither text nor json")),
+        }
+    }
+}
 
 /// Messages of the program go to standard error, as many as the user asked for; `RUST_LOG` overrides.
 pub(super) fn start_logging(common: &Common) {
@@ -16,12 +39,14 @@ pub(super) fn start_logging(common: &Common) {
         (false, _) => "trace",
     };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
-    let started = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
-        .try_init();
+    let builder =
+        tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false);
+    let started = match common.log_format {
+        LogFormat::Text => builder.with_ansi(std::io::stderr().is_terminal()).try_init(),
+        LogFormat::Json => {
+            builder.json().flatten_event(true).with_current_span(false).with_span_list(false).try_init()
+        }
+    };
     // Only a second start in one process can fail, and then logging is running already.
     drop(started);
 }

@@ -6,7 +6,7 @@ use helmlink_wire::LinkId;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
 use crate::bridge::Bridge;
-use crate::link::{EndpointId, Hub, LinkEvent};
+use crate::link::{EndpointId, Hub, LinkEvent, Traffic};
 
 /// Bytes put into one write at the most, so that a datagram stays below the usual path limit.
 const WRITE_LIMIT: usize = 1400;
@@ -64,6 +64,8 @@ pub struct Edge<P> {
     pub party: P,
     hub: Hub,
     start: Instant,
+    /// When the latest turn had something to do.
+    began: Duration,
     ticker: Interval,
     /// Ticks are due this often, however many events there are.
     tick: Duration,
@@ -85,7 +87,7 @@ impl<P: Party> Edge<P> {
         let mut ticker = interval(tick);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let start = Instant::now();
-        Self { party, hub, start, ticker, tick, ticked: start, write: Vec::new() }
+        Self { party, hub, start, began: Duration::ZERO, ticker, tick, ticked: start, write: Vec::new() }
     }
 
     /// Time since the start.
@@ -93,10 +95,21 @@ impl<P: Party> Edge<P> {
         self.start.elapsed()
     }
 
+    /// When the latest turn took its first event or tick, on the same clock.
+    pub fn began(&self) -> Duration {
+        self.began
+    }
+
+    /// What every link that is up has carried.
+    pub fn traffic(&self) -> Vec<(LinkId, Traffic)> {
+        self.hub.all_traffic()
+    }
+
     /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
         if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
+            self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
             tokio::task::yield_now().await;
             for _ in 0..EVENTS_PER_TURN {
@@ -108,20 +121,26 @@ impl<P: Party> Edge<P> {
             return seen;
         }
         tokio::select! {
-            biased;
-            event = self.hub.next_event() => {
-                seen = self.handle(event);
-                for _ in 1..EVENTS_PER_TURN {
-                    let Some(event) = self.hub.try_next_event() else { break };
-                    seen = self.handle(event).or(seen);
+                biased;
+                event = self.hub.next_event() => {
+                    self.began = self.start.elapsed();
+                    seen = self.handle(event);
+                    for _ in 1..EVENTS_PER_TURN {
+                        let Some(event) = self.hub.try_next_event() else { break };
+                        seen = self.handle(event).or(seen);
+                    }
+                    // A flood of events must not keep the party from its work.
+                    if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
+                        self.tick_party();
+                    }
                 }
-                // A flood of events must not keep the party from its work.
-                if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
-                    self.tick_party();
-                }
+                _ = self.ticker.tick() => {
+            self.began = self.start.elapsed();
+            if !self.is_crowded() {
+                self.tick_party();
             }
-            _ = self.ticker.tick() => if !self.is_crowded() { self.tick_party() },
         }
+            }
         self.flush();
         seen
     }

@@ -6,15 +6,22 @@ mod bridge;
 pub mod cli;
 mod compare;
 mod config;
+mod config_command;
+mod config_schema;
 mod console;
 mod demo;
 pub mod edge;
 mod failure;
 mod ground_station;
 mod guarded;
+mod log_report;
+mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
+mod recorder;
+mod replay;
+mod report;
 mod result;
 mod scenario;
 mod simulate;
@@ -61,7 +68,7 @@ fn read(arguments: &[OsString]) -> Result<Option<Cli>, Failure> {
     };
     let cli = Cli::from_arg_matches(&matches).map_err(Failure::usage)?;
     if cli.command.common().dry_run {
-        console::say(&config::describe(&first, &matches));
+        console::say(config::describe(&first, &matches, cli.command.common().json).trim_end());
         return Ok(None);
     }
     Ok(Some(cli))
@@ -91,9 +98,12 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),
+        Command::Config(command) => config_command::run(&command),
     }
 }
 

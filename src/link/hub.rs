@@ -151,6 +151,11 @@ impl Hub {
         self.shared.registry.outbox(link).map(|outbox| outbox.traffic())
     }
 
+    /// What every link that is up has carried so far.
+    pub fn all_traffic(&self) -> Vec<(LinkId, Traffic)> {
+        self.shared.registry.traffic()
+    }
+
     /// Bytes that wait to be written, on the link where most do.
     pub fn most_waiting_bytes(&self) -> usize {
         self.shared.registry.most_waiting_bytes()

@@ -21,6 +21,7 @@
 //! | [`memory`] | pairs of hubs without sockets, for tests |
 //! | `peer` | one peer: its number, its bounded queue, its counters |
 //! | `udp`, `tcp`, `serial` | the transports |
+//! | `usb` | serial ports by their USB device |
 //! | `stream` | what TCP and serial ports have in common |
 //! | `address` | host names to addresses, addresses to text |
 //! | `backoff` | waiting times between attempts |
@@ -38,6 +39,7 @@ mod serial;
 mod stream;
 mod tcp;
 mod udp;
+mod usb;
 
 #[cfg(test)]
 mod test_support;

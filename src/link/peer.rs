@@ -38,6 +38,10 @@ impl Registry {
         lock(&self.peers).get(&link).cloned()
     }
 
+    pub(super) fn traffic(&self) -> Vec<(LinkId, Traffic)> {
+        lock(&self.peers).iter().map(|(link, outbox)| (*link, outbox.traffic())).collect()
+    }
+
     /// Bytes that wait to be written, for the peer for which most do.
     pub(super) fn most_waiting_bytes(&self) -> usize {
         lock(&self.peers).values().map(|outbox| lock(&outbox.waiting).bytes).max().unwrap_or(0)

@@ -1,6 +1,7 @@
 //! Serial ports: opened when they appear, and again after they were unplugged.
 
 use std::io;
+use std::path::PathBuf;
 
 use serial2_tokio::SerialPort;
 
@@ -8,6 +9,7 @@ use super::backoff::{Backoff, Complaints};
 use super::hub::Endpoint;
 use super::peer::Peer;
 use super::stream::{End, converse};
+use super::usb::{Places, UsbDevice};
 
 /// Bits on the line for one byte: start, eight data, stop.
 const BITS_PER_BYTE: f64 = 10.0;
@@ -25,11 +27,13 @@ async fn stay_open(endpoint: Endpoint, device: String, baud: u32) {
     let mut backoff = Backoff::new(endpoint.settings.retry_first, endpoint.settings.retry_longest);
     let mut complaints = Complaints::default();
     loop {
-        match SerialPort::open(&device, baud) {
-            Ok(port) => {
+        let opened = path_of(&device).and_then(|path| Ok((SerialPort::open(&path, baud)?, path)));
+        match opened {
+            Ok((port, path)) => {
                 complaints.reset();
                 // A device that says nothing before it vanishes may do so each time.
-                if serve(&endpoint, port, &device, baud).await {
+                let name = format!("{} at {baud} bit/s", path.display());
+                if serve(&endpoint, port, name, baud).await {
                     backoff.reset();
                 }
             }
@@ -46,9 +50,16 @@ async fn stay_open(endpoint: Endpoint, device: String, baud: u32) {
     }
 }
 
+/// Where the device is just now.
+fn path_of(device: &str) -> io::Result<PathBuf> {
+    match UsbDevice::parse(device) {
+        Some(usb) => usb.port(&Places::default()),
+        None => Ok(device.into()),
+    }
+}
+
 /// Carries bytes until the port is lost; true when it has said anything.
-async fn serve(endpoint: &Endpoint, mut port: SerialPort, device: &str, baud: u32) -> bool {
-    let name = format!("{device} at {baud} bit/s");
+async fn serve(endpoint: &Endpoint, mut port: SerialPort, name: String, baud: u32) -> bool {
     let peer = Peer::register(endpoint, name, queue_bytes(endpoint, baud));
     if peer.announce().await.is_err() {
         return false;

@@ -6,6 +6,7 @@
 //! | `udpout:HOST:PORT` | send datagrams to one remote and hear its answers |
 //! | `tcpin:HOST:PORT` | accept any number of TCP clients |
 //! | `tcpout:HOST:PORT`, `tcp:HOST:PORT` | connect to a TCP server |
+//! | `serial:usb-VENDOR:PRODUCT[:BAUD]` | the serial port of a USB device, such as `usb-1209:5740`, under whatever name |
 //! | `serial:DEVICE[:BAUD]` | a serial port, 8N1; the rate is [`DEFAULT_BAUD`] when it is left out |
 //!
 //! `scheme://` means the same as `scheme:`. An IPv6 address stands in brackets: `udpin:[::]:14550`.
@@ -15,6 +16,8 @@ use std::net::{Ipv4Addr, Ipv6Addr};
 use std::str::FromStr;
 
 use thiserror::Error;
+
+use super::usb::{self, UsbDevice};
 
 /// Rate of a serial port whose URL gives none, bit/s. USB ports ignore it; companion-computer ports of
 /// autopilots usually run at this rate, telemetry radios at 57600.
@@ -138,6 +141,15 @@ pub enum UrlError {
     /// `serial://dev/...` lost a slash.
     #[error("`{device}` lost its leading slash: write serial:/{device}")]
     RelativeDevice {
+        /// The device as written.
+        device: String,
+    },
+    /// A USB device that is not named as one.
+    #[error(
+        "`{device}` does not name a USB device: write usb-VENDOR:PRODUCT with the four digits of each that `lsusb` \
+         prints, for example serial:usb-1209:5740:115200"
+    )]
+    BadUsbDevice {
         /// The device as written.
         device: String,
     },
@@ -283,6 +295,9 @@ fn serial(text: &str, rest: &str) -> Result<LinkUrl, UrlError> {
     if device.is_empty() {
         return Err(UrlError::MissingDevice { text: text.to_owned() });
     }
+    if device.starts_with(usb::PREFIX) && UsbDevice::parse(device).is_none() {
+        return Err(UrlError::BadUsbDevice { device: device.to_owned() });
+    }
     if device.starts_with("dev/") {
         return Err(UrlError::RelativeDevice { device: device.to_owned() });
     }
@@ -295,7 +310,9 @@ fn serial(text: &str, rest: &str) -> Result<LinkUrl, UrlError> {
 /// than among names with colons it is taken for a rate, so that a mistyped rate is an error and not a
 /// device for which the program would wait forever.
 fn is_part_of_name(rest: &str, last: &str) -> bool {
-    rest.starts_with(COLON_NAMES) && parse_baud(last).is_err()
+    // Behind the vendor of a USB device comes its product, which may look like a rate.
+    let is_product = UsbDevice::parse(rest).is_some();
+    is_product || rest.starts_with(COLON_NAMES) && parse_baud(last).is_err()
 }
 
 fn parse_baud(text: &str) -> Result<u32, UrlError> {

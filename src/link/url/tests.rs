@@ -29,6 +29,9 @@ fn reads_every_form() {
         ("serial:///dev/ttyUSB0:921600", "serial:/dev/ttyUSB0:921600"),
         ("serial://///dev/ttyUSB0:921600", "serial:/dev/ttyUSB0:921600"),
         ("serial:COM3:57600", "serial:COM3:57600"),
+        ("serial:usb-1209:5740", "serial:usb-1209:5740:115200"),
+        ("serial:usb-1209:5740:57600", "serial:usb-1209:5740:57600"),
+        ("serial:usb-26AC:0011/3B00:57600", "serial:usb-26AC:0011/3B00:57600"),
         (
             "serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0",
             "serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0:115200",
@@ -40,6 +43,13 @@ fn reads_every_form() {
     ];
     for (text, canonical) in cases {
         assert_eq!(parse(text).to_string(), canonical);
+    }
+}
+
+#[test]
+fn a_usb_device_is_named_by_vendor_and_product() {
+    for wrong in ["serial:usb-1209", "serial:usb-1209:57:115200", "serial:usb-bus1:115200"] {
+        assert!(message(wrong).contains("usb-VENDOR:PRODUCT"), "{wrong}: {}", message(wrong));
     }
 }
 

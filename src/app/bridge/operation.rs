@@ -1,0 +1,107 @@
+//! What those who run the bridge as a service want to know: figures, readiness, a sign of life.
+
+use std::time::Duration;
+
+use clap::Args;
+
+use super::Live;
+use super::figures;
+use super::lateness::Lateness;
+use super::service_manager::{self, News};
+use super::signing::SigningStore;
+use crate::app::failure::Failure;
+use crate::app::metrics::{MetricsAddress, Server};
+
+/// Options for running as a service.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Operation")]
+pub struct OperationArgs {
+    /// Serve figures for Prometheus at http://127.0.0.1:PORT/metrics (or at ADDRESS:PORT)
+    #[arg(long, value_name = "PORT|ADDRESS:PORT")]
+    pub metrics: Option<MetricsAddress>,
+}
+
+/// How often figures and the service manager's status line are renewed.
+const RENEWAL: Duration = Duration::from_secs(1);
+
+/// Tells the outside world how the bridge fares.
+pub(super) struct Operation {
+    lateness: Lateness,
+    interval: Duration,
+    server: Option<Server>,
+    renewed: Option<Duration>,
+    /// How often systemd wants a sign of life, half of what it waits.
+    watchdog: Option<Duration>,
+    lived: Duration,
+    said: &'static str,
+    signing: Option<SigningStore>,
+}
+
+impl Operation {
+    /// Starts to serve figures, if asked to; `interval` is that of the control loop.
+    pub(super) async fn start(args: &OperationArgs, interval: Duration) -> Result<Self, Failure> {
+        let server = match args.metrics {
+            Some(at) => Some(Server::start(at).await?),
+            None => None,
+        };
+        if let Some(server) = &server {
+            tracing::info!("figures at http://{}/metrics", server.address());
+        }
+        let watchdog = service_manager::watchdog().map(|limit| limit / 2);
+        let lateness = Lateness::default();
+        Ok(Self {
+            lateness,
+            interval,
+            server,
+            renewed: None,
+            watchdog,
+            lived: Duration::ZERO,
+            said: "",
+            signing: None,
+        })
+    }
+
+    /// The time stamps of signatures are to be kept for the next run.
+    pub(super) fn keep(&mut self, signing: Option<SigningStore>) {
+        self.signing = signing;
+    }
+
+    /// All links are open: whoever waits for this service may go on.
+    pub(super) fn ready(&self) {
+        service_manager::tell(News::Ready);
+    }
+
+    /// After each turn of the loop. A loop that hangs no longer comes here, and the
+    /// service manager restarts it.
+    pub(super) fn after_turn(&mut self, edge: &Live) {
+        let now = edge.now();
+        let status = edge.party.status();
+        self.lateness.on_turn(edge.began(), now, status.steps, self.interval);
+        if self.watchdog.is_some_and(|interval| now.saturating_sub(self.lived) >= interval) {
+            self.lived = now;
+            service_manager::tell(News::Alive);
+        }
+        if let Some(store) = &mut self.signing {
+            store.save_when_due(now, edge.party.gate.timestamp());
+        }
+        if self.renewed.is_some_and(|then| now.saturating_sub(then) < RENEWAL) {
+            return;
+        }
+        self.renewed = Some(now);
+        if status.state.name() != self.said {
+            self.said = status.state.name();
+            service_manager::tell(News::State(self.said));
+        }
+        if let Some(server) = &self.server {
+            server.publish(figures::page(edge, &self.lateness));
+        }
+    }
+
+    /// The boat has been let go.
+    pub(super) fn end(&mut self, edge: &Live) {
+        service_manager::tell(News::Stopping);
+        if let Some(store) = &mut self.signing {
+            store.save(edge.party.gate.timestamp());
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The bridge as a service: the unit file, the example configuration, systemd's notifications, figures.
+
+#![cfg(unix)]
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::os::unix::net::UnixDatagram;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+const HELMLINK: &str = env!("CARGO_BIN_EXE_helmlink");
+const UNIT: &str = include_str!("../packaging/helmlink.service");
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/packaging/helmlink.toml");
+/// No step takes longer, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A folder of its own, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("helmlink-service-{}-{number}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        fs::remove_dir_all(&self.0).ok();
+    }
+}
+
+/// A running bridge, killed when dropped.
+struct Bridge(Child);
+
+impl Bridge {
+    fn start(arguments: &[&str], environment: &[(&str, &str)]) -> Self {
+        let mut command = Command::new(HELMLINK);
+        command.arg("bridge").args(arguments).envs(environment.iter().copied());
+        Self(command.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap())
+    }
+
+    fn interrupt(&self) {
+        let done = Command::new("kill").args(["-INT", &self.0.id().to_string()]).status().unwrap();
+        assert!(done.success());
+    }
+}
+
+impl Drop for Bridge {
+    fn drop(&mut self) {
+        self.0.kill().ok();
+        self.0.wait().ok();
+    }
+}
+
+fn helmlink(arguments: &[&str]) -> (bool, String) {
+    let output = Command::new(HELMLINK).args(arguments).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.success(), String::from_utf8(text).unwrap())
+}
+
+/// The lines of the example that are commented out but are settings.
+fn with_every_setting(example: &str) -> String {
+    let is_setting = |line: &str| line.starts_with("# ") && line[2..].split(' ').nth(1) == Some("=");
+    let mut seen = Vec::new();
+    let mut lines = Vec::new();
+    for line in example.lines() {
+        let line = if is_setting(line) { &line[2..] } else { line };
+        let key = line.split(' ').next().unwrap_or_default().to_owned();
+        // Of alternatives, TOML allows one.
+        if !line.contains(" = ") || line.starts_with('#') || !seen.contains(&key) {
+            seen.push(key);
+            lines.push(line);
+        }
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn the_example_configuration_is_good_with_every_setting_in_it() {
+    let (good, said) = helmlink(&["config", "check", EXAMPLE]);
+    assert!(good, "{said}");
+    let folder = Folder::new();
+    let full = folder.0.join("full.toml");
+    let text = with_every_setting(&fs::read_to_string(EXAMPLE).unwrap());
+    assert!(text.contains("\nsigning-key = ") && text.contains("\nmetrics = "), "{text}");
+    fs::write(&full, text).unwrap();
+    let (good, said) = helmlink(&["config", "check", full.to_str().unwrap()]);
+    assert!(good, "{said}");
+}
+
+#[test]
+fn a_mistake_in_a_configuration_is_told_with_its_line() {
+    let folder = Folder::new();
+    let path = folder.0.join("boat.toml");
+    fs::write(&path, "[bridge]\nconnect = \"tcp:127.0.0.1:5760\"\nrate = \"fast\"\n").unwrap();
+    for arguments in [&["config", "check"][..], &["bridge", "--dry-run", "--config"]] {
+        let (good, said) = helmlink(&[arguments, &[path.to_str().unwrap()]].concat());
+        assert!(!good && said.contains("line 3: "), "{said}");
+    }
+}
+
+#[test]
+fn settings_in_force_are_shown_with_their_source() {
+    let (good, said) = helmlink(&["config", "show", "--json", EXAMPLE, "bridge", "--rate", "20"]);
+    assert!(good, "{said}");
+    let shown: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let of =
+        |key: &str| (shown["settings"][key]["values"][0].clone(), shown["settings"][key]["source"].clone());
+    assert_eq!(of("rate"), ("20".into(), "command line".into()));
+    assert_eq!(of("wait"), ("0".into(), "configuration file".into()));
+    assert_eq!(of("sign"), ("all".into(), "default".into()));
+}
+
+#[test]
+fn systemd_accepts_the_unit_file() {
+    let start = UNIT.lines().find_map(|line| line.strip_prefix("ExecStart=/usr/bin/helmlink ")).unwrap();
+    let arguments = start.replace("/etc/helmlink/helmlink.toml", EXAMPLE);
+    let (good, said) = helmlink(&[&arguments.split(' ').collect::<Vec<_>>()[..], &["--dry-run"]].concat());
+    assert!(good && said.contains("921600"), "{said}");
+    let folder = Folder::new();
+    let unit = folder.0.join("helmlink.service");
+    fs::write(&unit, UNIT.replace("/usr/bin/helmlink", HELMLINK)).unwrap();
+    match Command::new("systemd-analyze").arg("verify").arg(&unit).output() {
+        Ok(output) => {
+            let said = String::from_utf8_lossy(&output.stderr);
+            // It looks at other units too; what it says about this one names it.
+            assert!(output.status.success() && !said.contains("helmlink.service"), "{said}");
+        }
+        // Written past the capture of test output, to be seen.
+        Err(_) => writeln!(std::io::stderr(), "SKIPPED: systemd-analyze is not installed").unwrap(),
+    }
+}
+
+#[test]
+fn systemd_hears_of_readiness_life_and_the_end() {
+    let folder = Folder::new();
+    let address = folder.0.join("notify");
+    let socket = UnixDatagram::bind(&address).unwrap();
+    socket.set_read_timeout(Some(PATIENCE)).unwrap();
+    let bridge = Bridge::start(
+        &["--connect", "udpin:127.0.0.1:0", "--wait", "0"],
+        &[("NOTIFY_SOCKET", address.to_str().unwrap()), ("WATCHDOG_USEC", "200000")],
+    );
+    let heard = |wanted: &str| {
+        let mut buffer = [0; 256];
+        let mut all = Vec::new();
+        loop {
+            let count =
+                socket.recv(&mut buffer).unwrap_or_else(|error| panic!("no {wanted} after {all:?}: {error}"));
+            let said = String::from_utf8_lossy(&buffer[..count]).into_owned();
+            if said.contains(wanted) {
+                return;
+            }
+            all.push(said);
+        }
+    };
+    heard("READY=1");
+    heard("STATUS=waiting-for-link");
+    (0..3).for_each(|_| heard("WATCHDOG=1"));
+    bridge.interrupt();
+    heard("STOPPING=1");
+}
+
+#[test]
+fn figures_are_served_on_this_machine_only() {
+    let arguments =
+        ["--connect", "udpin:127.0.0.1:0", "--wait", "0", "--metrics", "0", "--log-format", "json"];
+    let mut bridge = Bridge::start(&arguments, &[]);
+    let mut log = BufReader::new(bridge.0.stderr.take().unwrap()).lines();
+    let place = loop {
+        let line: serde_json::Value = serde_json::from_str(&log.next().unwrap().unwrap()).unwrap();
+        if let Some(url) = line["message"].as_str().unwrap().strip_prefix("figures at http://") {
+            break url.trim_end_matches("/metrics").to_owned();
+        }
+    };
+    assert!(place.starts_with("127.0.0.1:"), "{place}");
+    let page = loop {
+        let page = get(&place);
+        if page.contains("helmlink_state") {
+            break page;
+        }
+    };
+    for figure in ["helmlink_state{state=\"waiting-for-link\"} 1", "helmlink_control_steps_total 0"] {
+        assert!(page.contains(figure), "{page}");
+    }
+    assert_well_formed(page.split_once("\r\n\r\n").unwrap().1);
+}
+
+fn get(place: &str) -> String {
+    let mut stream = TcpStream::connect(place).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    write!(stream, "GET /metrics HTTP/1.1\r\nHost: {place}\r\n\r\n").unwrap();
+    let mut page = String::new();
+    stream.read_to_string(&mut page).unwrap();
+    page
+}
+
+/// Every figure belongs to a family that was announced, and is a number.
+fn assert_well_formed(page: &str) {
+    let mut announced = Vec::new();
+    for line in page.lines() {
+        if let Some(family) = line.strip_prefix("# TYPE ") {
+            announced.push(family.split(' ').next().unwrap());
+        } else if !line.starts_with("# HELP ") {
+            let (figure, value) = line.rsplit_once(' ').unwrap();
+            assert!(announced.contains(&figure.split('{').next().unwrap()), "{line}");
+            value.parse::<f64>().unwrap();
+        }
+    }
+    assert!(announced.len() > 5);
+}
