@@ -16,6 +16,8 @@
 //! | [`bridge`] | all of that behind bytes in, bytes out | sockets, clocks |
 //! | [`gate`] | signatures, allowed systems, secrets: what passes between links and bridge | sockets, clocks |
 //! | [`simulation`] | the bridge and the simulated boat in one process, and the score | sockets, clocks |
+//! | [`record`] | what a bridge records of itself, so that it can be replayed | files |
+//! | [`replay`] | logs through the controller: proof, what-if, comparison, play | sockets, clocks |
 //! | [`report`] | a run as a picture | where the run came from |
 //! | [`link`] | UDP, TCP, serial and in-memory transports | what the bytes mean |
 //! | [`app`] | the subcommands | |
@@ -29,6 +31,8 @@ pub mod gate;
 pub mod guidance;
 pub mod link;
 pub mod pilot;
+pub mod record;
+pub mod replay;
 pub mod report;
 pub mod simulation;
 pub mod vehicle;

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use helmlink_wire::dialect::{
@@ -24,6 +25,7 @@ const GUIDED: u32 = 15;
 
 pub(crate) struct Boat {
     socket: UdpSocket,
+    heard: Receiver<Datagram>,
     bridge: Option<SocketAddr>,
     encoder: Encoder,
     framer: Framer,
@@ -41,6 +43,9 @@ pub(crate) struct Boat {
     latencies: Latencies,
 }
 
+/// When it came, from whom, and what it says.
+type Datagram = (Instant, SocketAddr, Vec<u8>);
+
 /// Whether a datagram is a GLOBAL_POSITION_INT.
 pub(crate) fn is_position(datagram: &[u8]) -> bool {
     datagram.get(7..10) == Some(&GLOBAL_POSITION_INT_DATA::ID.to_le_bytes()[..3])
@@ -49,9 +54,11 @@ pub(crate) fn is_position(datagram: &[u8]) -> bool {
 impl Boat {
     pub(crate) fn new() -> Result<Self, Box<dyn Error>> {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?;
+        let heard = listen(socket.try_clone()?);
         let now = Instant::now();
         Ok(Self {
             socket,
+            heard,
             bridge: None,
             encoder: Encoder::new(),
             framer: Framer::new(),
@@ -104,17 +111,14 @@ impl Boat {
 
     fn listen_until_due(&mut self) -> Result<(), Box<dyn Error>> {
         self.due += Duration::from_secs(1) / RATE;
-        let mut buffer = [0; 2048];
         loop {
             let left = self.due.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return Ok(());
             }
-            self.socket.set_read_timeout(Some(left))?;
-            if let Ok((count, from)) = self.socket.recv_from(&mut buffer) {
-                let now = Instant::now();
+            if let Ok((when, from, datagram)) = self.heard.recv_timeout(left) {
                 self.bridge = Some(from);
-                self.hear(now, &buffer[..count])?;
+                self.hear(when, &datagram)?;
             }
         }
     }
@@ -179,23 +183,23 @@ impl Boat {
         let number = self.sent;
         self.sent += 1;
         let message = match (number % RATE, number % CYCLE) {
-            (3, _) => heartbeat(),
-            (5, _) => Message::EKF_STATUS_REPORT(EKF_STATUS_REPORT_DATA {
+            (13, _) => heartbeat(),
+            (15, _) => Message::EKF_STATUS_REPORT(EKF_STATUS_REPORT_DATA {
                 flags: 831,
                 ..EKF_STATUS_REPORT_DATA::DEFAULT
             }),
-            (7, _) => {
+            (17, _) => {
                 Message::SYS_STATUS(SYS_STATUS_DATA { voltage_battery: 12_600, ..SYS_STATUS_DATA::DEFAULT })
             }
             (_, 0) => self.attitude(time_boot_ms),
-            (_, 10) => {
+            (_, 1) => {
                 self.move_on();
                 self.position(time_boot_ms)
             }
-            (_, 1..5) => {
+            (_, 2..6) => {
                 Message::VFR_HUD(VFR_HUD_DATA { groundspeed: self.speed_mps as f32, ..VFR_HUD_DATA::DEFAULT })
             }
-            (_, 5..10) => Message::SERVO_OUTPUT_RAW(SERVO_OUTPUT_RAW_DATA {
+            (_, 6..11) => Message::SERVO_OUTPUT_RAW(SERVO_OUTPUT_RAW_DATA {
                 servo1_raw: 1500,
                 ..SERVO_OUTPUT_RAW_DATA::DEFAULT
             }),
@@ -244,6 +248,21 @@ impl Boat {
             ..GLOBAL_POSITION_INT_DATA::DEFAULT
         })
     }
+}
+
+/// Receives on a thread of its own, so that what comes is timed by its arrival and not by the next message due.
+/// It ends with the process.
+fn listen(socket: UdpSocket) -> Receiver<Datagram> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        let mut buffer = [0; 2048];
+        while let Ok((count, from)) = socket.recv_from(&mut buffer) {
+            if sender.send((Instant::now(), from, buffer[..count].to_vec())).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
 }
 
 fn heartbeat() -> Message {

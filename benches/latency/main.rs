@@ -53,6 +53,7 @@ fn measure(span: Duration) -> Result<(), Box<dyn Error>> {
     let (cpu_before, _) = bridge.usage()?;
     let answered = boat.run(span)?;
     let (cpu_after, resident_kib) = bridge.usage()?;
+    drop(bridge);
     let after = echo(span / 2)?;
 
     let echoed = before.and(after);

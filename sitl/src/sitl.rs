@@ -123,6 +123,8 @@ pub struct Sitl {
     faults_of: Option<u64>,
     sea_parameters: [f64; 4],
     play: Option<Box<Play>>,
+    /// Whether the boat starts by itself as soon as it can.
+    starts_itself: bool,
 }
 
 impl Sitl {
@@ -153,6 +155,7 @@ impl Sitl {
             faults_of: None,
             sea_parameters: [0.0; 4],
             play: None,
+            starts_itself: false,
         };
         sitl.autopilot.put_gps_rate(settings.sensors.noise.map_or(5.0, |noise| noise.gps_rate_hz));
         sitl.autopilot.put_sea(&settings.sea);
@@ -322,6 +325,7 @@ impl Sitl {
     }
 
     fn run_loop(&mut self) {
+        self.starts_itself = self.starts_itself && !self.autopilot.start();
         if let Some(mut play) = self.play.take() {
             play.step(self);
             self.play = Some(play);
@@ -461,6 +465,11 @@ impl Sitl {
     /// ready for that; try again later.
     pub fn start(&mut self) -> bool {
         self.autopilot.start()
+    }
+
+    /// Has the boat do as [`Sitl::start`] in the first loop in which it can.
+    pub fn start_when_ready(&mut self) {
+        self.starts_itself = true;
     }
 
     /// Stores a mission as if it had been uploaded; `items` are without home.

@@ -7,8 +7,6 @@ mod operation;
 mod service_manager;
 mod signing;
 
-use std::fs::{self, File};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -24,6 +22,8 @@ use super::edge::{Edge, Seen};
 use super::failure::Failure;
 use super::guarded::Guarded;
 use super::mission;
+use super::recorder::{RecordLimits, Recorder};
+use super::report;
 use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
@@ -74,9 +74,15 @@ pub struct BridgeArgs {
     /// Compute and log what would be commanded, but send nothing at all
     #[arg(long)]
     pub shadow: bool,
-    /// Write everything received and sent to a telemetry log in this folder
+    /// Write everything received, sent and thought to a telemetry log in this folder, and a report at the end
     #[arg(long, value_name = "DIR")]
     pub record: Option<PathBuf>,
+    /// Begin a new file of the log when one would grow larger than this, MB
+    #[arg(long, default_value_t = 256, value_name = "MB")]
+    pub record_file_mb: u64,
+    /// Remove the oldest logs in the folder when all of them together grow larger than this, MB
+    #[arg(long, default_value_t = 8192, value_name = "MB")]
+    pub record_total_mb: u64,
     /// The control loop's rate, Hz
     #[arg(long, default_value_t = 25.0, value_name = "HZ")]
     pub rate: f64,
@@ -116,10 +122,9 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     })?;
     let settings = settings(args)?;
     let signing = args.links.signing(&args.state)?;
-    let log = args.record.as_deref().map(LogFile::create).transpose()?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings, signing, log))
+    runtime.block_on(drive(args, &url, settings, signing))
 }
 
 /// The settings that the options ask for.
@@ -175,14 +180,11 @@ async fn drive(
     url: &LinkUrl,
     settings: BridgeSettings,
     signing: Option<SigningStore>,
-    mut log: Option<LogFile>,
 ) -> Result<(), Failure> {
     let interval = Duration::from_secs_f64(settings.control_interval_s);
     let mut operation = Operation::start(&args.operation, interval).await?;
     let mut bridge = Bridge::new(settings);
-    if log.is_some() {
-        bridge.keep_journal(unix_time_us());
-    }
+    let mut log = start_recording(args, &mut bridge)?;
     let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
     operation.keep(signing);
     let mut edge = Edge::new(guarded, hub, TICK);
@@ -202,8 +204,9 @@ async fn drive(
             break ending;
         }
     };
-    stop(&mut edge, &mut log).await;
+    stop(&mut edge).await;
     operation.end(&edge);
+    finish_recording(&mut edge, log);
     edge.close().await;
     ending
 }
@@ -249,7 +252,7 @@ impl Watch {
 }
 
 /// Stops the boat, lets go, and waits until that is done.
-async fn stop(edge: &mut Live, log: &mut Option<LogFile>) {
+async fn stop(edge: &mut Live) {
     let now = edge.now();
     edge.party.request(now, Request::Stop).ok();
     edge.flush();
@@ -259,7 +262,6 @@ async fn stop(edge: &mut Live, log: &mut Option<LogFile>) {
     }
     say_events(edge);
     edge.flush();
-    write_log(edge, log);
 }
 
 fn say_events(edge: &mut Live) {
@@ -271,32 +273,39 @@ fn say_events(edge: &mut Live) {
     }
 }
 
-fn write_log(edge: &mut Live, log: &mut Option<LogFile>) {
-    let records = edge.party.take_journal();
-    if let Some(open) = log.as_mut().filter(|_| !records.is_empty())
-        && let Err(error) = open.file.write_all(&records)
-    {
-        // Steering goes on: a full disk must not stop a boat in the middle of a channel.
-        tracing::error!("recording has ended: cannot write {}: {error}", open.path.display());
-        *log = None;
+/// Begins to record where the user wants that.
+fn start_recording(args: &BridgeArgs, bridge: &mut Bridge) -> Result<Option<Recorder>, Failure> {
+    const MEGABYTE: u64 = 1_000_000;
+    let Some(folder) = &args.record else { return Ok(None) };
+    let limits = RecordLimits {
+        file_bytes: args.record_file_mb.max(1).saturating_mul(MEGABYTE),
+        total_bytes: args.record_total_mb.max(1).saturating_mul(MEGABYTE),
+    };
+    let start_us = unix_time_us();
+    bridge.keep_journal(start_us);
+    Recorder::start(folder, limits, start_us, bridge.journal_header()).map(Some)
+}
+
+/// Hands what has been recorded to the disk.
+fn write_log(edge: &mut Live, recorder: &mut Option<Recorder>) {
+    let Some(recorder) = recorder else { return };
+    recorder.write(edge.party.take_journal());
+    if let Some(failing) = recorder.poll_failing() {
+        let now = edge.now();
+        edge.party.set_recording_failed(now, failing);
     }
 }
 
-/// A telemetry log being written.
-struct LogFile {
-    path: PathBuf,
-    file: File,
-}
-
-impl LogFile {
-    fn create(folder: &Path) -> Result<Self, Failure> {
-        let path = folder.join(format!("helmlink-{}.tlog", unix_time_us() / 1_000_000));
-        let fault = |error: std::io::Error| {
-            Failure::usage(format!("--record: cannot write {}: {error}", path.display()))
-        };
-        fs::create_dir_all(folder).map_err(fault)?;
-        let file = File::create(&path).map_err(fault)?;
-        Ok(Self { path, file })
+/// Ends the recording, and makes its report: the boat has been let go, so that may take its time.
+fn finish_recording(edge: &mut Live, recorder: Option<Recorder>) {
+    let Some(mut recorder) = recorder else { return };
+    recorder.write(edge.party.take_journal());
+    recorder.write(edge.party.finish_journal());
+    let parts = recorder.finish();
+    let Some(folder) = parts.first().map(|part| part.with_extension("report")) else { return };
+    match report::make(&parts, &folder) {
+        Ok(()) => tracing::info!("log {}, report {}", parts[0].display(), folder.display()),
+        Err(failure) => tracing::warn!("no report: {failure}"),
     }
 }
 

@@ -12,6 +12,8 @@ use super::config_command::ConfigCommand;
 use super::console::LogFormat;
 use super::demo::DemoArgs;
 use super::mission::MissionCommand;
+use super::replay::ReplayArgs;
+use super::report::ReportArgs;
 use super::simulate::SimulateArgs;
 use super::sitl::SitlArgs;
 use super::tune::TuneArgs;
@@ -47,6 +49,10 @@ pub enum Command {
     Simulate(Box<SimulateArgs>),
     /// Drive a mission with every controller in many seas, and compare them
     Compare(Box<CompareArgs>),
+    /// Put a recorded log through the controller, prove a recording, or play it to a link
+    Replay(Box<ReplayArgs>),
+    /// Make a page, tables and Foxglove files of a log
+    Report(Box<ReportArgs>),
     /// Find gains by search in simulation
     Tune(Box<TuneArgs>),
     /// Write a boat file by rule, from length, top speed and turning circle
@@ -91,6 +97,8 @@ impl Command {
             Self::Sitl(args) => &args.common,
             Self::Simulate(args) => &args.common,
             Self::Compare(args) => &args.common,
+            Self::Replay(args) => &args.common,
+            Self::Report(args) => &args.common,
             Self::Tune(args) => &args.common,
             Self::Boat(args) => &args.common,
             Self::Mission(command) => command.common(),

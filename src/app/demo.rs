@@ -190,7 +190,7 @@ impl Demo {
             }
         }
         let simulated = self.boat.party.sitl.now();
-        self.log.extend(self.bridge.party.take_journal());
+        self.log.extend(self.bridge.party.finish_journal());
         let (commands_sha256, commands) = self.bridge.party.commands_digest();
         let outcome = Outcome {
             completed: true,

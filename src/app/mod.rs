@@ -14,10 +14,14 @@ pub mod edge;
 mod failure;
 mod ground_station;
 mod guarded;
+mod log_report;
 mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
+mod recorder;
+mod replay;
+mod report;
 mod result;
 mod scenario;
 mod simulate;
@@ -94,6 +98,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Sitl(args) => sitl::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Boat(args) => boat::run(&args),
         Command::Mission(command) => mission::run(&command),

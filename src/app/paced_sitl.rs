@@ -200,6 +200,7 @@ mod tests {
     /// The digest of ten seconds, ticked every `tick_ms` of real time.
     fn digest(speedup: f64, tick_ms: u64) -> (String, u64) {
         let mut boat = boat(speedup);
+        boat.sitl.start_when_ready();
         boat.keep_digest();
         boat.end_at(Duration::from_secs(10));
         let mut now = Duration::ZERO;

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::log_report::PAGE;
 use super::world::World;
 use crate::report::{self, Run};
 use crate::simulation::score::{Score, Spread};
@@ -171,7 +172,14 @@ impl RunResult {
 /// Name of the picture in a report folder.
 pub(super) const PICTURE: &str = "track.svg";
 
-/// Writes the picture, the result and the log into `folder`.
+/// What lies beside the page.
+const FILES: [(&str, &str); 3] = [
+    (PICTURE, "the picture alone"),
+    ("result.json", "the figures, for programs"),
+    ("log.tlog", "everything sent and received: try helmlink replay log.tlog --proof"),
+];
+
+/// Writes page, picture, result and log into `folder`.
 ///
 /// # Errors
 /// A file cannot be written: which, and why.
@@ -193,6 +201,7 @@ pub(super) fn write_report(
     let run = picture(result, world, recorder);
     for (name, content) in [
         (PICTURE, report::track_svg(&run).into_bytes()),
+        (PAGE, report::report_html(&run, &FILES).into_bytes()),
         ("result.json", result.json()?.into_bytes()),
         ("log.tlog", log.to_vec()),
     ] {

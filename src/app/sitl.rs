@@ -137,6 +137,9 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     if let Some(file) = scenario {
         sitl.play(file.scenario).map_err(Failure::usage)?;
     }
+    if args.arm || args.scenario.is_some() {
+        sitl.start_when_ready();
+    }
     sitl.set_paused(args.paused);
     runtime.block_on(serve(args, sitl))
 }
@@ -250,7 +253,6 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
     let mut edge = Edge::new(boat, hub, paced_sitl::tick(args.speedup));
     let mut interrupt = std::pin::pin!(interrupted());
     let mut complained = (Duration::ZERO, Duration::ZERO);
-    let mut autostart = args.arm || args.scenario.is_some();
     while !edge.party.is_over() {
         tokio::select! {
             biased;
@@ -261,7 +263,6 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
                 None => {}
             },
         }
-        autostart = autostart && !edge.party.sitl.start();
         if let Some(file) = &mut parameters {
             file.follow(edge.now(), &edge.party.sitl)?;
         }

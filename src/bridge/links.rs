@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::time::Duration;
 
-use helmlink_wire::tlog::TlogWriter;
 use helmlink_wire::{Encoder, Frame, Framer, Identity, LinkId, LinkStatistics, Message};
 use sha2::{Digest, Sha256};
 
 use super::routing::Router;
+use crate::record::Journal;
+use crate::record::journal::Purpose;
 
 /// Frames waiting for the driver beyond this number are dropped, oldest first: they would be stale anyway.
 const OUTBOX_LIMIT: usize = 4096;
@@ -30,31 +31,10 @@ pub(super) struct Links {
     commands: Sha256,
     command_count: u64,
     journal: Option<Journal>,
+    /// Frames of the bridge's own, for whoever compares them.
+    own: Option<VecDeque<(LinkId, Vec<u8>)>>,
     router: Router,
     listen_only: bool,
-}
-
-/// What was received and sent, as telemetry log records, until the driver writes them away.
-#[derive(Debug)]
-struct Journal {
-    unix_start_us: u64,
-    log: TlogWriter<Vec<u8>>,
-}
-
-impl Journal {
-    fn new(unix_start_us: u64) -> Self {
-        Self { unix_start_us, log: TlogWriter::new(Vec::new()) }
-    }
-
-    fn record(&mut self, now: Duration, frame: &Frame<'_>) {
-        let time_us = self.unix_start_us.saturating_add(now.as_micros() as u64);
-        // Writing to memory does not fail.
-        self.log.write(time_us, frame).ok();
-    }
-
-    fn take(&mut self) -> Vec<u8> {
-        std::mem::replace(&mut self.log, TlogWriter::new(Vec::new())).into_inner()
-    }
 }
 
 impl Links {
@@ -65,17 +45,18 @@ impl Links {
             commands: Sha256::new(),
             command_count: 0,
             journal: None,
+            own: None,
             router: Router::default(),
             listen_only,
         }
     }
 
-    pub(super) fn keep_journal(&mut self, unix_start_us: u64) {
-        self.journal = Some(Journal::new(unix_start_us));
+    pub(super) fn keep_journal(&mut self, journal: Journal) {
+        self.journal = Some(journal);
     }
 
-    pub(super) fn take_journal(&mut self) -> Vec<u8> {
-        self.journal.as_mut().map(Journal::take).unwrap_or_default()
+    pub(super) fn journal(&mut self) -> Option<&mut Journal> {
+        self.journal.as_mut()
     }
 
     pub(super) fn add(&mut self, now: Duration, id: LinkId) {
@@ -135,11 +116,6 @@ impl Links {
         let all: Vec<LinkId> = self.ids().collect();
         let link = self.links.iter_mut().find(|link| link.id == id)?;
         while let Some(frame) = link.framer.next_any() {
-            if frame.is_verified()
-                && let Some(journal) = &mut self.journal
-            {
-                journal.record(now, &frame);
-            }
             let message = if frame.is_verified() { frame.decode().ok() } else { None };
             let way = self.router.way(now, id, &frame, message.as_ref(), own, &all);
             if !self.listen_only {
@@ -153,22 +129,22 @@ impl Links {
     }
 
     /// Sends one message on one link.
-    pub(super) fn send(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
-        self.encode(now, to, from, message);
+    pub(super) fn send(&mut self, to: LinkId, from: Identity, message: &Message) {
+        self.encode(to, from, message, Purpose::Talk);
     }
 
     /// Sends one message on every link.
-    pub(super) fn broadcast(&mut self, now: Duration, from: Identity, message: &Message) {
+    pub(super) fn broadcast(&mut self, from: Identity, message: &Message) {
         let all: Vec<LinkId> = self.ids().collect();
         for id in all {
-            self.encode(now, id, from, message);
+            self.encode(id, from, message, Purpose::Talk);
         }
     }
 
     /// Sends one message that steers the boat, and counts it into the digest.
-    pub(super) fn command(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
+    pub(super) fn command(&mut self, to: LinkId, from: Identity, message: &Message) {
         let before = self.outbox.len();
-        self.encode(now, to, from, message);
+        self.encode(to, from, message, Purpose::Steer);
         if self.outbox.len() > before
             && let Some((_, frame)) = self.outbox.back()
         {
@@ -177,7 +153,7 @@ impl Links {
         }
     }
 
-    fn encode(&mut self, now: Duration, to: LinkId, from: Identity, message: &Message) {
+    fn encode(&mut self, to: LinkId, from: Identity, message: &Message, purpose: Purpose) {
         if self.listen_only {
             return;
         }
@@ -190,9 +166,20 @@ impl Links {
         if let Some(journal) = &mut self.journal
             && let Ok(encoded) = Frame::parse(&frame)
         {
-            journal.record(now, &encoded);
+            journal.sent(to, &encoded, purpose);
+        }
+        if let Some(own) = &mut self.own {
+            own.push_back((to, frame.clone()));
         }
         self.outbox.push_back((to, frame));
+    }
+
+    pub(super) fn keep_own(&mut self) {
+        self.own = Some(VecDeque::new());
+    }
+
+    pub(super) fn poll_own(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.own.as_mut()?.pop_front()
     }
 
     pub(super) fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {

@@ -66,6 +66,7 @@ use crate::control::boat::Actuators;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::pilot::{MissionRun, RunSettings};
+use crate::record::{ControlState, Header, Journal};
 use crate::vehicle::output::{self, Output, checks};
 use crate::vehicle::telemetry::{Sender, Update, classify};
 use crate::vehicle::{Cadence, Mode, ParameterReader, StreamRequests, Telemetry, VehicleClock};
@@ -121,11 +122,14 @@ pub struct Bridge {
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
+    /// The settings before parameters changed them.
+    given: BridgeSettings,
 }
 
 impl Bridge {
     /// A bridge that has not heard anything yet.
     pub fn new(mut settings: BridgeSettings) -> Self {
+        let given = settings.clone();
         let factory = settings.tunables();
         let complaints = settings.take_saved_parameters();
         let policy = Policy {
@@ -165,6 +169,7 @@ impl Bridge {
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
+            given,
             settings,
         };
         for complaint in complaints {
@@ -176,19 +181,41 @@ impl Bridge {
         bridge
     }
 
-    /// Keeps everything received and sent for [`Self::take_journal`]; the driver's time zero is
-    /// `unix_start_us` microseconds after the Unix epoch.
+    /// Keeps everything received and sent, and what is needed to make the same calls again, for
+    /// [`Self::take_journal`]. The driver's time zero is `unix_start_us` microseconds after the Unix epoch.
+    /// To be called before anything else happens: see [`crate::record`].
     pub fn keep_journal(&mut self, unix_start_us: u64) {
-        self.links.keep_journal(unix_start_us);
+        self.links.keep_journal(Journal::new(&Header::new(unix_start_us, &self.given)));
     }
 
-    /// Telemetry log records since the last call.
+    /// Keeps the frames of the bridge's own, not those it passes on, for [`Self::poll_own`] as well.
+    pub fn keep_own(&mut self) {
+        self.links.keep_own();
+    }
+
+    /// The next frame of the bridge's own that was put out for sending, where [`Self::keep_own`] was called.
+    pub fn poll_own(&mut self) -> Option<(LinkId, Vec<u8>)> {
+        self.links.poll_own()
+    }
+
+    /// Telemetry log records since the last call, whole ones only.
     pub fn take_journal(&mut self) -> Vec<u8> {
-        self.links.take_journal()
+        self.links.journal().map(Journal::take).unwrap_or_default()
+    }
+
+    /// The last records of the log: nothing that happens afterwards can be proven from it.
+    pub fn finish_journal(&mut self) -> Vec<u8> {
+        self.links.journal().map(Journal::finish).unwrap_or_default()
+    }
+
+    /// The records with which every file of the log begins; those of the first are in [`Self::take_journal`] too.
+    pub fn journal_header(&mut self) -> Vec<u8> {
+        self.links.journal().map(|journal| journal.header().to_vec()).unwrap_or_default()
     }
 
     /// A peer has appeared. It hears from the bridge at once.
     pub fn link_up(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.link_up(now, link));
         self.advance(now);
         self.links.add(now, link);
         self.send_heartbeat();
@@ -196,6 +223,7 @@ impl Bridge {
 
     /// A peer has gone.
     pub fn link_down(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.link_down(now, link));
         self.advance(now);
         self.links.remove(link);
         if self.vehicle.is_some_and(|vehicle| vehicle.link == link) {
@@ -207,6 +235,7 @@ impl Bridge {
 
     /// Bytes of a peer have arrived; `is_datagram` when they are one whole datagram.
     pub fn on_bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        self.record(|journal| journal.bytes(now, link, bytes, is_datagram));
         self.advance(now);
         self.housekeeping();
         self.links.push(now, link, bytes, is_datagram);
@@ -215,6 +244,7 @@ impl Bridge {
 
     /// Time has passed. Call it every [`TICK`].
     pub fn on_tick(&mut self, now: Duration) {
+        self.record(|journal| journal.tick(now));
         self.advance(now);
         self.links.flush_idle(now);
         let links: Vec<LinkId> = self.links.ids().collect();
@@ -239,7 +269,12 @@ impl Bridge {
     /// # Errors
     /// Why it will not be done.
     pub fn request(&mut self, now: Duration, request: Request) -> Result<(), String> {
+        self.record(|journal| journal.request(now, &request));
         self.advance(now);
+        self.take_request(request)
+    }
+
+    fn take_request(&mut self, request: Request) -> Result<(), String> {
         if matches!(request, Request::Engage { .. })
             && let Some(vehicle) = self.vehicle
         {
@@ -274,6 +309,11 @@ impl Bridge {
         self.run.as_ref()
     }
 
+    /// What the controller took in and thought at the last step, once there was one.
+    pub fn thought(&self) -> Option<ControlState> {
+        self.steering.thought
+    }
+
     /// Why this vehicle cannot be steered at all, if so.
     pub fn refusal(&self) -> Option<&str> {
         self.refusal.as_deref()
@@ -287,6 +327,13 @@ impl Bridge {
     /// SHA-256 of every steering frame sent so far, in order, and their number.
     pub fn commands_digest(&self) -> (String, u64) {
         self.links.commands_digest()
+    }
+
+    /// Lets the journal, if one is kept, take something down.
+    pub(super) fn record(&mut self, write: impl FnOnce(&mut Journal)) {
+        if let Some(journal) = self.links.journal() {
+            write(journal);
+        }
     }
 
     fn advance(&mut self, now: Duration) {
@@ -392,7 +439,7 @@ impl Bridge {
             Message::STATUSTEXT(data) => self.on_vehicle_text(data),
             Message::TIMESYNC(data) => {
                 if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
-                    self.links.send(self.driver_now, vehicle.link, own, &answer);
+                    self.links.send(vehicle.link, own, &answer);
                 }
                 self.tell_delay();
             }
@@ -475,7 +522,7 @@ impl Bridge {
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
-        self.links.send(self.driver_now, link, own, &command.acknowledge(from, result));
+        self.links.send(link, own, &command.acknowledge(from, result));
     }
 
     fn change_speed(&mut self, speed_mps: f64) -> u8 {
@@ -490,7 +537,7 @@ impl Bridge {
     }
 
     fn obey(&mut self, request: Request) -> u8 {
-        match self.request(self.driver_now, request) {
+        match self.take_request(request) {
             Ok(()) => enums::MAV_RESULT_ACCEPTED,
             Err(why) => {
                 self.event(enums::MAV_SEVERITY_WARNING, format!("command refused: {why}"));
@@ -551,29 +598,29 @@ impl Bridge {
 
     /// Sends what is due to be asked of the flight controller.
     fn ask(&mut self, vehicle: Vehicle) {
-        let (own, now) = (self.own(vehicle.id), self.driver_now);
+        let own = self.own(vehicle.id);
         let Vehicle { link, id } = vehicle;
         while let Some(message) = self.streams.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
-        if let Some(message) = self.timesync.poll(now, id) {
-            self.links.send(now, link, own, &message);
+        if let Some(message) = self.timesync.poll(self.driver_now, id) {
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.parameters.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.mission.poll(self.now, own, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         let is_free = self.mission.is_ready() || self.run.is_none();
         while let Some(message) = self.observer.fence.poll(self.now, own, id, is_free) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.current.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         while let Some(message) = self.actions.poll(self.now, id) {
-            self.links.send(now, link, own, &message);
+            self.links.send(link, own, &message);
         }
         self.tell_of_actions();
     }
@@ -661,6 +708,7 @@ impl Bridge {
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {
         let event = Event { severity, text: text.into() };
+        self.record(|journal| journal.event(event.severity, &event.text));
         self.announce(&event);
         if self.events.len() >= EVENT_LIMIT {
             self.events.pop_front();

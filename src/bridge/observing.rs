@@ -58,6 +58,7 @@ impl Observer {
 impl Bridge {
     /// The recording cannot be written any more; call it with `false` when it can again.
     pub fn set_recording_failed(&mut self, now: Duration, failed: bool) {
+        self.record(|journal| journal.recording_failed(now, failed));
         self.advance(now);
         self.observer.recording_failed = failed;
         self.supervise();

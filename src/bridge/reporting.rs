@@ -70,7 +70,7 @@ impl Bridge {
             ..HEARTBEAT_DATA::DEFAULT
         });
         let own = self.own_or_default();
-        self.links.broadcast(self.driver_now, own, &heartbeat);
+        self.links.broadcast(own, &heartbeat);
     }
 
     /// MAV_STATE: tells whether the control loop is healthy.
@@ -163,7 +163,7 @@ impl Bridge {
     pub(super) fn tell(&mut self, message: &Message) {
         if let Some(vehicle) = self.vehicle {
             let own = self.own(vehicle.id);
-            self.links.broadcast(self.driver_now, own, message);
+            self.links.broadcast(own, message);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use helmlink_mission::plan::Mission;
 use helmlink_wire::Identity;
+use serde::{Deserialize, Serialize};
 
 use super::parameters::{ParameterError, Tunables};
 use crate::control::Controller;
@@ -16,7 +17,8 @@ pub const COMPONENT: u8 = helmlink_wire::enums::MAV_COMP_ID_ONBOARD_COMPUTER;
 const SHADOW_STALE_S: f64 = 2.5;
 
 /// Where the mission comes from.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MissionSource {
     /// The one on the flight controller, read by the mission protocol.
     Vehicle,
@@ -25,7 +27,7 @@ pub enum MissionSource {
 }
 
 /// Settings of a [`super::Bridge`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 pub struct BridgeSettings {
     /// The controller's model, limits and gains.
     pub boat: crate::control::Boat,

@@ -5,10 +5,11 @@ use helmlink_mission::route::Action;
 use helmlink_wire::{Message, enums};
 
 use super::pace::Pace;
-use super::{Bridge, REQUEST_REPEAT, Vehicle};
+use super::{Bridge, REQUEST_REPEAT, Vehicle, controller_state};
 use crate::control::Diagnostics;
 use crate::pilot::MissionRun;
 use crate::pilot::supervisor::{Conditions, Duty, Reason, State, Transition};
+use crate::record::ControlState;
 use crate::vehicle::estimate::vessel_state;
 use crate::vehicle::output::Demand;
 use crate::vehicle::streams::{command_long, set_mode};
@@ -24,6 +25,7 @@ pub(super) struct Steering {
     pub(super) demand: Demand,
     pub(super) diagnostics: Diagnostics,
     pub(super) steps: u64,
+    pub(super) thought: Option<ControlState>,
     pub(super) pace: Pace,
     /// Driving is interrupted until a fresh position comes.
     coasting: bool,
@@ -35,6 +37,7 @@ impl Default for Steering {
             demand: Demand::NEUTRAL,
             diagnostics: Diagnostics::default(),
             steps: 0,
+            thought: None,
             pace: Pace::default(),
             coasting: false,
         }
@@ -120,7 +123,7 @@ impl Bridge {
         if self.last_request.is_none_or(|then| self.now.saturating_sub(then) >= REQUEST_REPEAT) {
             self.last_request = Some(self.now);
             let own = self.own(vehicle.id);
-            self.links.send(self.driver_now, vehicle.link, own, &message);
+            self.links.send(vehicle.link, own, &message);
         }
     }
 
@@ -165,6 +168,13 @@ impl Bridge {
                 self.steering.demand = step.demand;
                 self.steering.diagnostics = step.diagnostics;
                 self.steering.steps += 1;
+                let progress = run.progress();
+                let thought = ControlState::new(boot_s, &state, &progress, &step.demand, &step.diagnostics);
+                self.steering.thought = Some(thought);
+                self.record(|journal| {
+                    let named = controller_state::messages(boot_s, &step.diagnostics, &step.demand);
+                    journal.stepped(&thought, named);
+                });
                 for index in step.reached.0..step.reached.1 {
                     // A mission that repeats itself has a longer way to go again.
                     self.watch.on_new_way();
@@ -232,7 +242,7 @@ impl Bridge {
 
     fn send_command(&mut self, vehicle: Vehicle, message: &Message) {
         let from = self.settings.steering_identity(self.own(vehicle.id));
-        self.links.command(self.driver_now, vehicle.link, from, message);
+        self.links.command(vehicle.link, from, message);
     }
 }
 

@@ -11,7 +11,7 @@
 //! ```
 
 use nalgebra::Vector4;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::filter::CommandFilter;
 use super::model::regressor;
@@ -26,7 +26,7 @@ const PROJECTION_PART: f64 = 0.6;
 const PARAMETER_FLOOR: f64 = 0.02;
 
 /// Gains of one axis. "unit" is m for surge and rad for yaw.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSettings {
     /// Command filter time constant T, s.

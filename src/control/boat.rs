@@ -7,7 +7,7 @@ pub mod derived;
 mod ranges;
 
 use helmlink_mission::path::PathLimits;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::control::allocation::{CircleSettings, RudderSettings, TwinSettings};
@@ -46,18 +46,21 @@ struct BoatFile {
     observer: ObserverSettings,
     guidance: GuidanceSettings,
     control: ControlSettings,
+    /// Where they are not given they follow from the boat's own gains.
+    baselines: Option<Baselines>,
 }
 
 impl From<BoatFile> for Boat {
     fn from(file: BoatFile) -> Self {
-        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control } = file;
-        let baselines = Baselines::matching(&guidance, &control);
+        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control, baselines } =
+            file;
+        let baselines = baselines.unwrap_or_else(|| Baselines::matching(&guidance, &control));
         Self { name, description, hull, actuators, limits, observer, guidance, control, baselines }
     }
 }
 
 /// One boat, checked.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(from = "BoatFile")]
 pub struct Boat {
     /// Short name.
@@ -81,7 +84,7 @@ pub struct Boat {
 }
 
 /// Actuators of a boat.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Actuators {
     /// Two fixed thrusters behind the autopilot's skid-steer mixer.
@@ -93,7 +96,7 @@ pub enum Actuators {
 }
 
 /// What the boat may be asked to do.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Speed over ground where neither the user nor the mission says, m/s.
@@ -115,7 +118,7 @@ pub struct Limits {
 }
 
 /// Gains of the adaptive PI sliding-mode controller.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlSettings {
     /// Heading gain k_ψ, 1/s.

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::baselines::{Pid, SignSmc, SpeedPi};
@@ -11,7 +12,8 @@ use super::pi_smc::PiSmc;
 use crate::guidance::{EndOfPath, Guidance, LineOfSight, Practical, ToVirtualShip};
 
 /// A controller: guidance and law together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Controller {
     /// Adaptive PI sliding mode behind the practical guidance, with delay prediction: Helmlink's own.
     #[default]

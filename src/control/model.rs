@@ -5,12 +5,12 @@
 //! u̇ = Θ_uᵀf_u + ζ_u τ_u, ṙ = Θ_rᵀf_r + ζ_r τ_r.
 
 use nalgebra::Vector4;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::command::Wrench;
 
 /// Inertia and damping of a hull, through the water.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Mass and added mass in surge m11, kg.

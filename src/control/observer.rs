@@ -11,14 +11,14 @@
 
 use helmlink_mission::angle::ssa;
 use helmlink_mission::geodesy::NorthEast;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::command::Wrench;
 use super::model::{Hull, WaterMotion};
 use crate::guidance::{VesselState, unit};
 
 /// What the measurements may disagree with the model before they are trusted less.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObserverSettings {
     /// Quick disagreement in yaw rate (rms) at which measurement and estimate count half, rad/s; half a second of it

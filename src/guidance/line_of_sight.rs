@@ -12,6 +12,7 @@
 
 use helmlink_mission::angle::ssa;
 use helmlink_mission::geodesy::NorthEast;
+use serde::{Deserialize, Serialize};
 
 use super::progress::project;
 use super::speed::SpeedLimits;
@@ -24,7 +25,8 @@ const TURN_FIRST_COSINE: f64 = 0.5;
 const MAX_DRIFT_RAD: f64 = 1.0;
 
 /// Which law estimates the drift.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LineOfSightKind {
     /// Integral of the cross-track error.
     Integral,
@@ -33,7 +35,8 @@ pub enum LineOfSightKind {
 }
 
 /// Gains of a line-of-sight guidance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct LineOfSightSettings {
     /// Which law.
     pub kind: LineOfSightKind,

@@ -24,7 +24,7 @@ pub mod virtual_ship;
 
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::Path;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use line_of_sight::LineOfSight;
 pub use practical::Practical;
@@ -32,7 +32,7 @@ pub use state::{StateError, VesselState};
 pub use to_virtual_ship::ToVirtualShip;
 
 /// Guidance gains of a boat.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuidanceSettings {
     /// Least look-ahead l_d, m.

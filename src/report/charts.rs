@@ -19,6 +19,8 @@ const ABOVE_TITLE_PX: f64 = 12.0;
 const LETTER_PX: f64 = 9.0;
 /// Left of a plot, for the labels of its axis, pixels.
 const AXIS_LABELS_PX: f64 = 34.0;
+/// Right of a plot on the page, so that the last letter of an axis is not cut, pixels.
+const EDGE_PX: f64 = 8.0;
 /// From the start of a title to the names of its curves, pixels.
 const TITLE_WIDTH_PX: f64 = 130.0;
 /// Between the outermost value and the edge of the plot, as part of the height.
@@ -49,7 +51,7 @@ struct Curve {
     colour: &'static str,
 }
 
-const CHARTS: [Chart; 3] = [
+const CHARTS: [Chart; 5] = [
     Chart {
         title: "Cross-track error",
         note: "m, positive right of the path",
@@ -99,7 +101,47 @@ const CHARTS: [Chart; 3] = [
         ],
         always: Range { low: -1.0, high: 1.0 },
     },
+    Chart {
+        title: "Disturbance",
+        note: "bounds",
+        curves: &[
+            Curve {
+                name: "yaw, rad/s²",
+                value: |sample| sample.disturbances[1],
+                style: Style::stroked(theme::ORANGE, 1.3),
+                colour: theme::ORANGE,
+            },
+            Curve {
+                name: "surge, m/s²",
+                value: |sample| sample.disturbances[0],
+                style: Style::stroked(theme::BLUE, 1.3),
+                colour: theme::BLUE,
+            },
+        ],
+        always: Range { low: 0.0, high: 0.01 },
+    },
+    Chart {
+        title: "Sliding surfaces",
+        note: "",
+        curves: &[
+            Curve {
+                name: "yaw, rad/s",
+                value: |sample| sample.surfaces[1],
+                style: Style::stroked(theme::ORANGE, 1.3),
+                colour: theme::ORANGE,
+            },
+            Curve {
+                name: "surge, m/s",
+                value: |sample| sample.surfaces[0],
+                style: Style::stroked(theme::BLUE, 1.3),
+                colour: theme::BLUE,
+            },
+        ],
+        always: Range { low: -0.05, high: 0.05 },
+    },
 ];
+/// So many of the charts, the first ones, are in the picture; all are on the page.
+const IN_PICTURE: usize = 3;
 
 /// The shared time axis: what it shows, and in which unit it is labelled.
 #[derive(Debug, Clone, Copy)]
@@ -112,7 +154,12 @@ pub(super) struct TimeAxis {
 impl TimeAxis {
     /// The axis of a run: seconds up to ten minutes, then minutes up to three hours, then hours.
     pub(super) fn of(run: &Run) -> Self {
-        let times = run.track.iter().map(|sample| sample.time_s).filter(|time_s| is_reading(*time_s));
+        Self::covering(run.track.iter().map(|sample| sample.time_s))
+    }
+
+    /// An axis that shows these times.
+    pub(super) fn covering(times: impl Iterator<Item = f64>) -> Self {
+        let times = times.filter(|time_s| is_reading(*time_s));
         let range = Range::covering(times, LEAST_TIME_S);
         let (unit, seconds) = match range.span() {
             ..600.0 => ("s", 1.0),
@@ -136,11 +183,11 @@ impl TimeAxis {
 /// Draws the charts into the upper part of `area` and returns where they end.
 pub(super) fn draw(svg: &mut Svg, run: &Run, area: Area) -> f64 {
     let axis = TimeAxis::of(run);
-    let count = CHARTS.len() as f64;
+    let count = IN_PICTURE as f64;
     let height = ((area.height - TIME_LABELS_PX) / count - TITLE_PX).min(TALLEST_PLOT_PX);
     let mut plot =
         Area { left: area.left + AXIS_LABELS_PX, top: area.top, width: area.width - AXIS_LABELS_PX, height };
-    for (row, chart) in CHARTS.iter().enumerate() {
+    for (row, chart) in CHARTS.iter().take(IN_PICTURE).enumerate() {
         // The first title stands level with the top of the map.
         plot.top += if row == 0 { TITLE_PX - ABOVE_TITLE_PX } else { TITLE_PX };
         draw_chart(svg, run, chart, &axis, plot);
@@ -153,11 +200,45 @@ pub(super) fn draw(svg: &mut Svg, run: &Run, area: Area) -> f64 {
     plot.top + TIME_LABELS_PX
 }
 
+/// Each chart as a picture of its own; those without a reading are left out.
+pub(super) fn page_charts(run: &Run, width: f64, height: f64) -> impl Iterator<Item = String> {
+    let axis = TimeAxis::of(run);
+    CHARTS.iter().filter(|chart| chart.curves.iter().any(|curve| !readings(run, curve).is_empty())).map(
+        move |chart| {
+            let mut svg = Svg::new(width, height, chart.title, theme::FONT_FAMILY);
+            let plot = Area {
+                left: AXIS_LABELS_PX,
+                top: TITLE_PX - ABOVE_TITLE_PX,
+                width: width - AXIS_LABELS_PX - EDGE_PX,
+                height: height - TITLE_PX + ABOVE_TITLE_PX - TIME_LABELS_PX,
+            };
+            draw_chart(&mut svg, run, chart, &axis, plot);
+            event_letters(&mut svg, run, &axis, plot);
+            time_labels(&mut svg, &axis, Area { top: plot.bottom(), ..plot });
+            svg.finish()
+        },
+    )
+}
+
 fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Area) {
     title(svg, chart, Point::new(plot.left - AXIS_LABELS_PX, plot.top - 15.0));
-    let curves: Vec<Vec<(f64, f64)>> = chart.curves.iter().map(|curve| readings(run, curve)).collect();
-    let values = curves.iter().flatten().map(|(_, value)| *value);
-    let range = shown_range(values, chart.always);
+    let curves: Vec<(Style, Vec<(f64, f64)>)> =
+        chart.curves.iter().map(|curve| (curve.style, readings(run, curve))).collect();
+    let events: Vec<f64> = event_times(run, axis).map(|(_, time_s)| time_s).collect();
+    draw_curves(svg, &curves, chart.always, axis, &events, plot);
+}
+
+/// Draws the grid, the axis of values and the curves of one plot.
+pub(super) fn draw_curves(
+    svg: &mut Svg,
+    curves: &[(Style, Vec<(f64, f64)>)],
+    always: Range,
+    axis: &TimeAxis,
+    events: &[f64],
+    plot: Area,
+) {
+    let values = curves.iter().flat_map(|(_, readings)| readings).map(|(_, value)| *value);
+    let range = shown_range(values, always);
     let step = ticks::round_step(range.span(), (plot.height / VALUE_TICK_PX).floor().max(1.0));
     let y = |value: f64| plot.bottom() - plot.height * range.fraction(value);
 
@@ -166,8 +247,8 @@ fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Ar
         let x = axis.x(time_s, plot);
         svg.line(Point::new(x, plot.top), Point::new(x, plot.bottom()), theme::GRID_LINE);
     }
-    for (_, time_s) in event_times(run, axis) {
-        let top = Point::new(axis.x(time_s, plot), plot.top);
+    for time_s in events {
+        let top = Point::new(axis.x(*time_s, plot), plot.top);
         svg.line(top, top.moved(0.0, plot.height), theme::EVENT_LINE);
     }
     for value in ticks::ticks(range, step) {
@@ -177,12 +258,12 @@ fn draw_chart(svg: &mut Svg, run: &Run, chart: &Chart, axis: &TimeAxis, plot: Ar
         let label = ticks::label(value, step);
         svg.text(left.moved(-6.0, 3.5), &label, theme::SMALL.anchored(Anchor::End));
     }
-    for (curve, readings) in chart.curves.iter().zip(&curves) {
+    for (style, readings) in curves {
         let points: Vec<Point> = keep_extremes(readings, STRETCHES, &[|(_, value)| *value])
             .into_iter()
             .map(|index| Point::new(axis.x(readings[index].0, plot), y(readings[index].1)))
             .collect();
-        svg.polylines([points.as_slice()], curve.style);
+        svg.polylines([points.as_slice()], *style);
     }
 }
 
@@ -227,7 +308,7 @@ fn time_step(axis: &TimeAxis, plot: Area) -> f64 {
     ticks::round_step(axis.range.span() / axis.seconds, (plot.width / TIME_TICK_PX).floor()) * axis.seconds
 }
 
-fn time_labels(svg: &mut Svg, axis: &TimeAxis, below: Area) {
+pub(super) fn time_labels(svg: &mut Svg, axis: &TimeAxis, below: Area) {
     let step = time_step(axis, below);
     let lettering = theme::SMALL.anchored(Anchor::Middle);
     for time_s in time_ticks(axis, below) {

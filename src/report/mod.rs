@@ -7,6 +7,8 @@
 //! | `legend` | the strip below the map, and which error has which colour |
 //! | `charts` | error, speed and commands over time |
 //! | `tables` | events and figures |
+//! | `html` | the same as a page for browsers |
+//! | `curves` | curves of several runs over one time axis |
 //! | `theme` | colours and letters |
 //! | `ticks` | round numbers |
 //! | `thin` | which samples of a long run are worth drawing |
@@ -17,6 +19,8 @@
 
 mod charts;
 mod comparison;
+mod curves;
+mod html;
 mod legend;
 mod map;
 mod marks;
@@ -32,6 +36,9 @@ mod tests;
 pub use comparison::{ComparedTrack, comparison_svg};
 use helmlink_mission::geodesy::NorthEast;
 use svg::{Area, Point, Style, Svg};
+
+pub use curves::{Curve, Panel, curves_svg};
+pub use html::report_html;
 
 /// Width of the picture, pixels.
 const WIDTH: f64 = 1200.0;
@@ -93,6 +100,10 @@ pub struct TrackPoint {
     pub steering: f64,
     /// Throttle command, −1 (full astern) … 1 (full ahead).
     pub throttle: f64,
+    /// Sliding surfaces in surge, m/s, and in yaw, rad/s.
+    pub surfaces: [f64; 2],
+    /// Estimated disturbance bounds in surge, m/s², and in yaw, rad/s².
+    pub disturbances: [f64; 2],
 }
 
 impl TrackPoint {
@@ -106,6 +117,8 @@ impl TrackPoint {
         wanted_speed_mps: f64::NAN,
         steering: f64::NAN,
         throttle: f64::NAN,
+        surfaces: [f64::NAN; 2],
+        disturbances: [f64::NAN; 2],
     };
 }
 

@@ -15,6 +15,7 @@ fn sample(time_s: f64, north_m: f64, east_m: f64) -> TrackPoint {
         wanted_speed_mps: 1.5,
         steering: -0.1,
         throttle: 0.4,
+        ..TrackPoint::UNKNOWN
     }
 }
 
@@ -35,6 +36,7 @@ fn rough_run(samples: u32) -> Run {
             wanted_speed_mps: 2.0 * next(),
             steering: next(),
             throttle: next(),
+            ..TrackPoint::UNKNOWN
         })
         .collect();
     Run { title: "Rough".into(), track, ..Run::default() }
@@ -200,6 +202,7 @@ prop_compose! {
         TrackPoint {
             time_s: t, position: place, heading_rad: psi, cross_track_m: e,
             speed_mps: u, wanted_speed_mps: wanted, steering: s, throttle: d,
+            surfaces: [e, d], disturbances: [s, u],
         }
     }
 }
@@ -227,4 +230,21 @@ proptest! {
         read_back(&svg);
         prop_assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
     }
+}
+
+#[test]
+fn the_page_needs_nothing_else_and_escapes_what_it_shows() {
+    let run = Run {
+        title: "A <script> & \"more\"".into(),
+        track: (0..500).map(|index| sample(f64::from(index), f64::from(index), 0.0)).collect(),
+        figures: vec![("cross-track".into(), "<0.1 m".into())],
+        events: vec![(3.0, "armed & away".into()), (f64::NAN, "never".into())],
+        ..Run::default()
+    };
+    let page = report_html(&run, &[("log.tlog", "the log")]);
+    assert!(page.contains("A &lt;script&gt; &amp; &quot;more&quot;") && page.contains("armed &amp; away"));
+    assert!(!page.contains("<script") && !page.contains("never"));
+    let addresses = page.matches("http").count() - page.matches("http://www.w3.org/2000/svg").count();
+    assert_eq!(addresses, 0, "nothing is fetched");
+    assert!(page.contains("href=\"log.tlog\"") && page.contains("prefers-color-scheme:dark"));
 }

@@ -54,9 +54,7 @@ pub struct ClosedLoop {
 
 impl ClosedLoop {
     /// Joins the two; `home` is the simulated boat's.
-    pub fn new(mut sitl: Sitl, mut bridge: Bridge, home: Geodetic) -> Self {
-        sitl.link_up(LINK);
-        bridge.link_up(Duration::ZERO, LINK);
+    pub fn new(sitl: Sitl, bridge: Bridge, home: Geodetic) -> Self {
         Self {
             sitl,
             bridge,
@@ -99,6 +97,10 @@ impl ClosedLoop {
 
     /// One loop of the autopilot.
     pub fn step(&mut self) {
+        if self.loops == 0 {
+            self.sitl.link_up(LINK);
+            self.bridge.link_up(Duration::ZERO, LINK);
+        }
         self.now += LOOP;
         self.loops += 1;
         self.sitl.advance(self.now);
@@ -166,7 +168,8 @@ impl ClosedLoop {
 
     /// What was recorded of the run, and the log of all frames where the bridge kept one.
     pub fn into_recorder(mut self) -> (RunRecorder, Vec<u8>) {
-        let journal = self.bridge.take_journal();
+        let mut journal = self.bridge.take_journal();
+        journal.extend(self.bridge.finish_journal());
         (self.recorder, journal)
     }
 }

@@ -70,6 +70,8 @@ impl RunRecorder {
             wanted_speed_mps: progress.wanted_speed_mps,
             steering: status.demand.steering,
             throttle: status.demand.throttle,
+            surfaces: [status.diagnostics.law.surface_u, status.diagnostics.law.surface_r],
+            disturbances: [status.diagnostics.law.disturbance_u, status.diagnostics.law.disturbance_r],
         });
         // The score begins at the first waypoint, when the boat is on a leg of the mission.
         if let (Some(scorer), Some(leg)) = (self.scorer.as_mut(), progress.leg) {

@@ -14,19 +14,31 @@ pub struct Cadence {
     interval_s: f64,
     attitude_is_new: bool,
     position_is_new: bool,
+    position_s: f64,
     last_step_s: Option<f64>,
 }
 
 impl Cadence {
     /// A loop whose messages were asked for every `interval_s` seconds of vehicle time.
     pub fn new(interval_s: f64) -> Self {
-        Self { interval_s, attitude_is_new: false, position_is_new: false, last_step_s: None }
+        Self {
+            interval_s,
+            attitude_is_new: false,
+            position_is_new: false,
+            position_s: 0.0,
+            last_step_s: None,
+        }
     }
 
     /// A new attitude of vehicle time `boot_s`; true when a control step is due.
     pub fn on_attitude(&mut self, boot_s: f64) -> bool {
         if self.position_is_new {
-            return self.step_with_both(boot_s);
+            // Positions that follow soon after each attitude would wait for the next one all the time. This attitude
+            // is kept for the position that follows, which puts the pair in order at the price of one step.
+            let waited_long = boot_s - self.position_s > CROWDED * self.interval_s;
+            let is_due = self.step_with_both(boot_s);
+            self.attitude_is_new = waited_long;
+            return is_due;
         }
         let due = self.attitude_is_new;
         self.attitude_is_new = true;
@@ -42,6 +54,7 @@ impl Cadence {
             return self.step_with_both(boot_s);
         }
         self.position_is_new = true;
+        self.position_s = boot_s;
         false
     }
 
@@ -70,6 +83,20 @@ mod tests {
             assert!(!cadence.on_attitude(t));
             assert!(cadence.on_position(t));
         }
+    }
+
+    #[test]
+    fn a_position_does_not_wait_for_the_next_attitude_for_long() {
+        let mut cadence = Cadence::new(0.05);
+        assert!(!cadence.on_position(0.0), "the first attitude was lost");
+        let mut waited = 0;
+        let mut steps = 0;
+        for index in 1..=100 {
+            let t = f64::from(index) * 0.05;
+            waited += u32::from(cadence.on_attitude(t));
+            steps += u32::from(cadence.on_position(t + 0.001));
+        }
+        assert_eq!((waited, steps), (1, 99));
     }
 
     #[test]

@@ -4,9 +4,10 @@ use std::fmt;
 use std::str::FromStr;
 
 use helmlink_wire::enums;
+use serde::{Deserialize, Serialize};
 
 /// A flight mode of ArduRover: `custom_mode` of its HEARTBEAT.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Mode(pub u32);
 
 impl Mode {

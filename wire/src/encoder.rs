@@ -82,6 +82,19 @@ impl Encoder {
     }
 }
 
+/// `message` as one frame with a sequence number of the caller's choice: for a frame that takes another's place.
+///
+/// Where a MAVLink 1 frame cannot hold the message it becomes one of MAVLink 2.
+pub fn encode_numbered(version: Version, from: Identity, sequence: u8, message: &Message) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    encoder.next.insert(from, sequence);
+    let mut out = Vec::new();
+    if version == Version::V2 || encoder.encode_v1(from, message, &mut out).is_err() {
+        encoder.encode(from, message, &mut out);
+    }
+    out
+}
+
 /// Completes the frame whose header starts at `start` and ends `out`.
 fn append_payload_and_checksum(version: Version, message: &Message, start: usize, out: &mut Vec<u8>) {
     let mut payload = [0; MAX_PAYLOAD];

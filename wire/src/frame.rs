@@ -69,6 +69,18 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// The frame that `bytes` begin with; whatever follows it does not matter.
+    ///
+    /// # Errors
+    /// [`FrameError`] if no frame with a right checksum starts there, [`FrameError::Incomplete`] if more bytes
+    /// could make one.
+    pub fn parse_first(bytes: &'a [u8]) -> Result<Self, FrameError> {
+        match candidate::inspect(bytes) {
+            Verdict::Verified(length) => Ok(Self::new(&bytes[..length], true)),
+            _ => Self::parse(bytes),
+        }
+    }
+
     /// `bytes` have been found to be one whole frame by [`candidate::inspect`].
     pub(crate) fn new(bytes: &'a [u8], verified: bool) -> Self {
         let version = if bytes[0] == layout::MARKER_V1 { Version::V1 } else { Version::V2 };

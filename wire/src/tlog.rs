@@ -4,12 +4,14 @@
 //! either protocol version. It has no header, no index and no lengths of its own, so a reader finds its way by
 //! the frames alone. Here a damaged or cut log yields every frame whose checksum is right.
 
+mod index;
 mod reader;
 mod search;
 mod writer;
 
 use crate::frame::Frame;
 
+pub use index::{Disorder, Index, Kind, Mark};
 pub use reader::{Records, TlogReader, records};
 pub use writer::TlogWriter;
 
@@ -24,6 +26,8 @@ pub struct Record<'a> {
     /// A stamp carries no checksum. A record behind damage whose own stamp is incomplete or absurd (see
     /// [`MAX_PAUSE_US`]) has the time of the record before it, 0 if there is none.
     pub time_us: u64,
+    /// Where the record starts, bytes from where reading began; its frame's own start where its stamp is incomplete.
+    pub offset: u64,
     /// The frame, always verified.
     pub frame: Frame<'a>,
 }

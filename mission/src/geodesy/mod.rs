@@ -10,12 +10,13 @@ pub use local_frame::LocalFrame;
 pub use vector::NorthEast;
 
 use local_frame::ecef_m;
+use serde::{Deserialize, Serialize};
 
 /// Mean radius of the Earth, (2a + b)/3 of WGS 84, in metres.
 const MEAN_RADIUS_M: f64 = 6_371_008.771_4;
 
 /// A position on the WGS 84 ellipsoid, at height zero, in degrees.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
 pub struct Geodetic {
     /// Geodetic latitude, degrees north, −90 to 90.
     pub latitude_deg: f64,

@@ -2,6 +2,7 @@
 
 use helmlink_wire::dialect::{MISSION_ITEM_DATA, MISSION_ITEM_INT_DATA};
 use helmlink_wire::enums::*;
+use serde::{Deserialize, Serialize};
 
 use super::CommandName;
 use super::command::needs_position;
@@ -16,7 +17,7 @@ const GLOBAL_SCALE: f64 = 1e7;
 /// A mission item with the fields and scaling of MISSION_ITEM_INT, less what belongs to its transfer.
 ///
 /// Source: MAVLink common messages, MISSION_ITEM_INT (73).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 pub struct Item {
     /// MAV_CMD.
     pub command: u16,

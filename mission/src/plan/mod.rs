@@ -31,6 +31,7 @@ pub use error::{Fault, Place, PlanError};
 pub use fence::{Area, Fence, Outline, RallyPoint};
 pub use format::{Format, Loss};
 pub use item::Item;
+use serde::{Deserialize, Serialize};
 
 use crate::geodesy::Geodetic;
 
@@ -42,7 +43,7 @@ const MAX_FILE_MB: u64 = 64;
 const EXCERPT_CHARS: usize = 40;
 
 /// A mission: what to do, in order.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 pub struct Mission {
     /// Where the boat was launched, when the source says so.
     pub home: Option<Geodetic>,

@@ -192,6 +192,16 @@ fn a_mission_without_end_repeats_itself() {
 }
 
 #[test]
+fn a_jump_used_up_once_a_round_is_refused_before_long() {
+    let items = [at(10.0, 0.0), at(20.0, 0.0), jump(5.0, 65_535.0), at(30.0, 0.0), jump(1.0, -1.0)];
+    assert!(matches!(route(&items).unwrap_err(), RouteError::TooManyVisits { .. }));
+    let few = [at(10.0, 0.0), at(20.0, 0.0), jump(5.0, 2.0), at(30.0, 0.0), jump(1.0, -1.0)];
+    let few = route(&few).unwrap();
+    assert_eq!(visits(&few), [1, 2, 1, 2, 1, 2, 4, 1, 2, 4]);
+    assert_eq!(few.repeat_from, Some(7));
+}
+
+#[test]
 fn loiters_turn_or_wait_where_they_say() {
     let turns = Item { command: MAV_CMD_NAV_LOITER_TURNS, params: [2.0, 0.0, -15.0, 0.0], ..at(20.0, 0.0) };
     let time = command(MAV_CMD_NAV_LOITER_TIME, [30.0, 0.0, 0.0, 0.0]);

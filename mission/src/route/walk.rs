@@ -30,8 +30,9 @@ pub(super) struct Walk {
     reverse: bool,
     has_condition: bool,
     jumps_made: HashMap<usize, u32>,
-    /// Earlier passes of jumps that never end.
-    passes: HashMap<usize, Vec<Pass>>,
+    /// The last pass of each jump that never ends. Jumps only ever get used up, so what differs from the last
+    /// pass has never been before.
+    passes: HashMap<usize, Pass>,
 }
 
 /// How the walk goes on.
@@ -227,26 +228,26 @@ impl Walk {
     /// Once everything is as it was at an earlier pass, the rest repeats itself.
     fn jump_for_ever(&mut self, number: u16, to: u16) -> Result<Next, RouteError> {
         let visits = self.route.waypoints.len();
-        let passes = self.passes.entry(usize::from(number)).or_default();
-        let same = passes.iter().find(|pass| {
-            pass.jumps_made == self.jumps_made
-                && pass.speed_mps == self.speed_mps
-                && pass.reverse == self.reverse
-        });
-        if let Some(pass) = same {
-            if pass.visits == visits {
-                return Err(RouteError::LoopWithoutWaypoint { item: number });
-            }
-            self.route.repeat_from = Some(pass.visits);
-            return Ok(Next::End);
-        }
-        passes.push(Pass {
+        let pass = Pass {
             jumps_made: self.jumps_made.clone(),
             speed_mps: self.speed_mps,
             reverse: self.reverse,
             visits,
-        });
-        Ok(Next::Item(to))
+        };
+        match self.passes.insert(usize::from(number), pass) {
+            Some(last)
+                if last.jumps_made == self.jumps_made
+                    && last.speed_mps == self.speed_mps
+                    && last.reverse == self.reverse =>
+            {
+                if last.visits == visits {
+                    return Err(RouteError::LoopWithoutWaypoint { item: number });
+                }
+                self.route.repeat_from = Some(last.visits);
+                Ok(Next::End)
+            }
+            _ => Ok(Next::Item(to)),
+        }
     }
 
     fn check_distance(&self, waypoint: &Waypoint) -> Result<(), RouteError> {

@@ -73,7 +73,7 @@ impl Canvas {
             for step in 0..=steps {
                 let share = step as f64 / steps as f64;
                 if count % every == 0 {
-                    self.set(x0 + share * (x1 - x0), y0 + share * (y1 - y0));
+                    self.set((x0 + share * (x1 - x0)).round(), (y0 + share * (y1 - y0)).round());
                 }
                 count += 1;
             }
@@ -132,7 +132,8 @@ impl Canvas {
     }
 
     fn dot(&self, place: NorthEast) -> [f64; 2] {
-        [(place.east_m - self.west_m) * self.dots_per_m, (self.north_m - place.north_m) * self.dots_per_m]
+        let (east_m, south_m) = (place.east_m - self.west_m, self.north_m - place.north_m);
+        [(east_m * self.dots_per_m).round(), (south_m * self.dots_per_m).round()]
     }
 
     fn set(&mut self, x: f64, y: f64) {

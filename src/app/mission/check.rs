@@ -78,19 +78,30 @@ fn text(name: &str, route: &Route, review: &Review, boat: &str, speed_mps: f64) 
         review.length_m,
         duration(review.duration_s)
     )];
-    lines.extend(review.findings.iter().map(line));
+    let mut told: Vec<(Level, &str)> = Vec::new();
+    for finding in &review.findings {
+        let what = (finding.level, finding.text.as_str());
+        if !told.contains(&what) {
+            told.push(what);
+            lines.push(line(finding, &review.findings));
+        }
+    }
     lines.join("\n")
 }
 
-fn line(finding: &Finding) -> String {
+/// A finding, with all items it is about.
+fn line(finding: &Finding, all: &[Finding]) -> String {
     let level = match finding.level {
         Level::Problem => "problem",
         Level::Warning => "warning",
         Level::Note => "note",
     };
-    match finding.item {
-        Some(item) => format!("  {level}, item {item}: {}", finding.text),
-        None => format!("  {level}: {}", finding.text),
+    let same = all.iter().filter(|other| other.level == finding.level && other.text == finding.text);
+    let items: Vec<String> = same.filter_map(|other| other.item).map(|item| item.to_string()).collect();
+    match items.len() {
+        0 => format!("  {level}: {}", finding.text),
+        1 => format!("  {level}, item {}: {}", items[0], finding.text),
+        _ => format!("  {level}, items {}: {}", items.join(", "), finding.text),
     }
 }
 

@@ -100,7 +100,7 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
 }
 
 /// Where a vehicle was, by its own clock.
-fn read_track(path: &Path, system: Option<u8>) -> Result<Vec<Fix>, Failure> {
+pub(super) fn read_track(path: &Path, system: Option<u8>) -> Result<Vec<Fix>, Failure> {
     let fault = |error: std::io::Error| Failure::usage(format!("cannot read {}: {error}", path.display()));
     let mut reader = TlogReader::new(BufReader::new(File::open(path).map_err(fault)?));
     let mut system = system;

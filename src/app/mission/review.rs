@@ -188,11 +188,10 @@ impl Reviewer<'_> {
             let speed_mps = self.bend_speed_mps(1.0 / corner.radius_m);
             let short_m = legs_m[0].min(legs_m[1]);
             let text = format!(
-                "the turn of {degrees:.0}° needs {needs_m:.1} m of each leg, half of the shorter one is {:.1} m: it is \
-                 drawn with a radius of {:.1} m instead of {:.1} m and run at {speed_mps:.1} m/s",
+                "the turn of {degrees:.0}° needs {needs_m:.1} m of each leg, but half of the shorter one is {:.1} m: it \
+                 is drawn tighter, with a radius of {:.1} m, and run at {speed_mps:.1} m/s",
                 0.5 * short_m,
-                corner.radius_m,
-                self.boat.limits.turn_radius_m
+                corner.radius_m
             );
             self.find(Level::Warning, Some(waypoint.item), text);
             if speed_mps < self.boat.limits.steerage_mps {

@@ -119,7 +119,16 @@ impl Session {
     /// # Errors
     /// Why a transfer failed, in words.
     pub(super) fn result(self) -> Result<Vec<Mission>, String> {
-        self.failure.map_or(Ok(self.fetched), |error| Err(error.to_string()))
+        let Some(error) = self.failure else { return Ok(self.fetched) };
+        let was_under_way = !matches!(error, TransferError::NoAnswer { .. } | TransferError::TooLong { .. });
+        Err(match self.tasks.front() {
+            // ArduPilot overwrites the old plan item by item.
+            Some(Task::Send(..)) if was_under_way => format!(
+                "{error}; what is on board now may be a part of either plan: upload again, or look with \
+                 `helmlink mission download`"
+            ),
+            _ => error.to_string(),
+        })
     }
 
     pub(super) fn is_done(&self) -> bool {

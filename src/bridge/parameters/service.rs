@@ -71,7 +71,7 @@ impl Bridge {
         self.parameter_service.list =
             (index + 1 < PARAMETERS.len()).then_some((link, index + 1, self.driver_now + LIST_INTERVAL));
         if let Some(message) = value_message(&self.tunables(), index) {
-            self.links.send(self.driver_now, link, self.own_or_default(), &message);
+            self.links.send(link, self.own_or_default(), &message);
         }
     }
 
@@ -91,7 +91,7 @@ impl Bridge {
         let answer = index.and_then(|index| value_message(&self.tunables(), index)).unwrap_or_else(|| {
             refusal(from, data.param_id, data.param_index, enums::MAV_PARAM_ERROR_DOES_NOT_EXIST)
         });
-        self.links.send(self.driver_now, link, self.own_or_default(), &answer);
+        self.links.send(link, self.own_or_default(), &answer);
     }
 
     fn answer_set(&mut self, link: LinkId, from: Identity, data: &PARAM_SET_DATA) {
@@ -112,13 +112,13 @@ impl Bridge {
                     ParameterError::Unknown(_) => enums::MAV_PARAM_ERROR_DOES_NOT_EXIST,
                     _ => enums::MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
                 };
-                self.links.send(self.driver_now, link, own, &refusal(from, data.param_id, -1, code));
+                self.links.send(link, own, &refusal(from, data.param_id, -1, code));
                 self.event(enums::MAV_SEVERITY_WARNING, format!("{name} not set: {error}"));
             }
         }
         // Everybody sees the value in force, also the one that was refused.
         if let Some(message) = number_of(&name).and_then(|index| value_message(&self.tunables(), index)) {
-            self.links.broadcast(self.driver_now, own, &message);
+            self.links.broadcast(own, &message);
         }
     }
 

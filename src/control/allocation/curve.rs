@@ -1,13 +1,13 @@
 //! Static thrust curve of one propeller, and its inverse.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Below this part of full thrust the inverse curve is straight: the square root is infinitely steep at zero
 /// and would turn the smallest wish into a twitch of the shaft.
 const STRAIGHT_PART: f64 = 0.002;
 
 /// Thrust against normalised command: T = T_max·|n|^p, with its own limit each way.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThrustCurve {
     /// Thrust at full command ahead, N.

@@ -4,7 +4,7 @@
 //! slipstream (Fossen 2021, ch. 9). Its moment is l_R K U_R² sin δ cos δ and its side force the moment over
 //! −l_R. Without flow it is dead, and the only way to turn is to kick ahead.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Allocation, Servo, Situation, ThrustCurve};
 use crate::control::command::{Command, Wrench};
@@ -17,7 +17,7 @@ const MAX_SINE: f64 = 0.94;
 const KICK_HEADING_RAD: f64 = 0.3;
 
 /// A propeller with a rudder in its slipstream.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RudderSettings {
     /// Thrust curve of the propeller.

@@ -5,7 +5,7 @@
 //! which nothing else is known. The nominal hull then carries a first-order yaw lag, m33/d_r1, and a moment
 //! stands for the yaw rate it settles at: r = N/d_r1.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Allocation, Servo, Situation, ThrustCurve};
 use crate::control::command::{Command, Wrench};
@@ -17,7 +17,7 @@ const MIN_SPEED_MPS: f64 = 0.3;
 const KICK_HEADING_RAD: f64 = 0.3;
 
 /// Steering by turning circle.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CircleSettings {
     /// Thrust curve.

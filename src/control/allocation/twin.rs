@@ -1,12 +1,12 @@
 //! Two fixed thrusters side by side, behind the autopilot's skid-steer mixer.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Allocation, Servo, ThrustCurve};
 use crate::control::command::{Command, Wrench};
 
 /// A pair of equal thrusters.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwinSettings {
     /// Thrust curve of one thruster.

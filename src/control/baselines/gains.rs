@@ -3,6 +3,8 @@
 //! Each starts from a rule, the same for every boat: a heading loop of its own frequency, a look-ahead of the
 //! boat's own lead. What tuning found for a boat stands in its gains file (`src/control/gains/`).
 
+use serde::{Deserialize, Serialize};
+
 use super::pid::{HeadingPidSettings, SpeedPiSettings};
 use super::sign_smc::SignAxisSettings;
 use crate::control::axis::AxisSettings;
@@ -11,7 +13,8 @@ use crate::guidance::GuidanceSettings;
 use crate::guidance::line_of_sight::{LineOfSightKind, LineOfSightSettings};
 
 /// Gains of every baseline.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Baselines {
     /// PI sliding mode in the paper's guidance.
     pub pi_smc_paper: PaperGains,
@@ -26,7 +29,8 @@ pub struct Baselines {
 }
 
 /// Gains of `pi-smc-paper`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct PaperGains {
     /// Guidance; the lead is the paper's δ.
     pub guidance: GuidanceSettings,
@@ -35,7 +39,8 @@ pub struct PaperGains {
 }
 
 /// Gains of `pid`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct PidGains {
     /// Guidance.
     pub guidance: GuidanceSettings,
@@ -46,7 +51,8 @@ pub struct PidGains {
 }
 
 /// Gains of `ilos-pid` and `alos-pid`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct LosPidGains {
     /// Guidance.
     pub los: LineOfSightSettings,
@@ -57,7 +63,8 @@ pub struct LosPidGains {
 }
 
 /// Gains of `sign-smc`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct SignGains {
     /// Guidance.
     pub guidance: GuidanceSettings,

@@ -3,6 +3,8 @@
 //! Fossen 2021, §15.3.4 (PID pole placement with reference feed-forward), as his Otter programs do it:
 //! K_p = m33 ω_n², K_d = 2 ζ ω_n m33 − d_r1, K_i = K_p ω_n·share, feed-forward m33 ṙ_d + d_r(r_d).
 
+use serde::{Deserialize, Serialize};
+
 use crate::control::allocation::Allocation;
 use crate::control::boat::Boat;
 use crate::control::command::Wrench;
@@ -11,7 +13,8 @@ use crate::control::law::{Law, LawDiagnostics, LawInput};
 use crate::control::model::{Hull, damping_force};
 
 /// Gains of the heading PID.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct HeadingPidSettings {
     /// Natural frequency ω_n of the closed heading loop, rad/s.
     pub frequency_radps: f64,
@@ -26,7 +29,8 @@ pub struct HeadingPidSettings {
 }
 
 /// Gains of the speed PI.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpeedPiSettings {
     /// Bandwidth: K_p = m11 times this, rad/s.
     pub bandwidth_radps: f64,

@@ -3,6 +3,8 @@
 //! S = β − actual, τ = ζ⁻¹[β̇ − Θ₀ᵀf + k S + η sign(S)] (Utkin; Fossen 2021, §16.4). Above the largest disturbance η
 //! brings S to zero in finite time, and the actuators to chatter: that is what it is here to show.
 
+use serde::{Deserialize, Serialize};
+
 use crate::control::allocation::Allocation;
 use crate::control::boat::Boat;
 use crate::control::command::Wrench;
@@ -11,7 +13,8 @@ use crate::control::law::{Law, LawDiagnostics, LawInput};
 use crate::control::model::{Hull, regressor};
 
 /// Gains of one axis; "unit" is m for surge and rad for yaw.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct SignAxisSettings {
     /// Command filter time constant, s.
     pub filter_s: f64,

@@ -1,12 +1,14 @@
 //! What the user allows, and what the machine looks at.
 
+use serde::{Deserialize, Serialize};
+
 use super::state::Lack;
 use crate::pilot::failsafe::{Failsafe, Trip};
 use crate::vehicle::Mode;
 
 /// Waiting times, in seconds of vehicle time. The limits of the failsafes are
 /// [`FailsafeSettings`](crate::pilot::failsafe::FailsafeSettings).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 pub struct Limits {
     /// A position or heading older than this must not steer: the motors are neutral until a newer one comes.
     pub stale_s: f64,

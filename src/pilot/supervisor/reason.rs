@@ -1,5 +1,7 @@
 //! Why a state is left, for the log and the ground station.
 
+use serde::{Deserialize, Serialize};
+
 use std::fmt;
 
 use super::state::{Lack, State};
@@ -7,7 +9,7 @@ use crate::pilot::failsafe::Trip;
 use crate::vehicle::Mode;
 
 /// What somebody asks of the bridge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Request {
     /// Drive the mission; waits for readiness and arming where `patient`.
     Engage {

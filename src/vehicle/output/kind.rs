@@ -3,10 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use crate::vehicle::modes::Mode;
 
 /// By which messages the boat is steered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum OutputKind {
     /// RC_CHANNELS_OVERRIDE of the steering and the throttle channel, in MANUAL: the quickest and most exact path.
     RcOverride,

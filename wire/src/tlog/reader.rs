@@ -2,8 +2,8 @@
 
 use std::io::{self, ErrorKind, Read};
 
-use super::Record;
 use super::search::{Search, Step};
+use super::{Record, STAMP_LENGTH};
 use crate::frame::Frame;
 use crate::stats::LinkStatistics;
 
@@ -18,6 +18,8 @@ const BLOCK: usize = 64 * 1024;
 pub struct TlogReader<R> {
     source: R,
     buffer: Vec<u8>,
+    /// Where the buffer lies, bytes from where reading began.
+    buffer_at: u64,
     ended: bool,
     search: Search,
 }
@@ -25,7 +27,13 @@ pub struct TlogReader<R> {
 impl<R: Read> TlogReader<R> {
     /// Reads from `source`, which need not be buffered.
     pub fn new(source: R) -> Self {
-        Self { source, buffer: Vec::with_capacity(2 * BLOCK), ended: false, search: Search::default() }
+        Self {
+            source,
+            buffer: Vec::with_capacity(2 * BLOCK),
+            buffer_at: 0,
+            ended: false,
+            search: Search::default(),
+        }
     }
 
     /// The next record with a verified frame; `None` at the end of the log.
@@ -36,7 +44,12 @@ impl<R: Read> TlogReader<R> {
         loop {
             match self.search.step(&self.buffer, self.ended) {
                 Step::Record { time_us, frame } => {
-                    return Ok(Some(Record { time_us, frame: Frame::new(&self.buffer[frame], true) }));
+                    let offset = self.buffer_at + frame.start.saturating_sub(STAMP_LENGTH) as u64;
+                    return Ok(Some(Record {
+                        time_us,
+                        offset,
+                        frame: Frame::new(&self.buffer[frame], true),
+                    }));
                 }
                 Step::NeedsMoreBytes => self.fill()?,
                 Step::End => return Ok(None),
@@ -49,9 +62,23 @@ impl<R: Read> TlogReader<R> {
         &self.search.tally.statistics
     }
 
+    /// Reads on from another place of the source, to which `go` has to move it; what it counts goes on.
+    ///
+    /// # Errors
+    /// Those of `go`.
+    pub fn restart(&mut self, go: impl FnOnce(&mut R) -> io::Result<()>) -> io::Result<()> {
+        go(&mut self.source)?;
+        self.buffer.clear();
+        self.buffer_at = 0;
+        self.ended = false;
+        self.search.restart();
+        Ok(())
+    }
+
     fn fill(&mut self) -> io::Result<()> {
         let done = self.search.done();
         self.buffer.drain(..done);
+        self.buffer_at += done as u64;
         self.search.rebase(done);
         let held = self.buffer.len();
         self.buffer.resize(held + BLOCK, 0);
@@ -100,7 +127,8 @@ impl<'a> Iterator for Records<'a> {
     fn next(&mut self) -> Option<Record<'a>> {
         match self.search.step(self.log, true) {
             Step::Record { time_us, frame } => {
-                Some(Record { time_us, frame: Frame::new(&self.log[frame], true) })
+                let offset = frame.start.saturating_sub(STAMP_LENGTH) as u64;
+                Some(Record { time_us, offset, frame: Frame::new(&self.log[frame], true) })
             }
             Step::NeedsMoreBytes | Step::End => None,
         }

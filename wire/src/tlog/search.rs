@@ -54,6 +54,11 @@ impl Search {
         self.at -= dropped;
     }
 
+    /// The bytes that come are from another place of the log.
+    pub(super) fn restart(&mut self) {
+        *self = Self { tally: std::mem::take(&mut self.tally), ..Self::default() };
+    }
+
     /// Expects a record right here, as in a sound log.
     fn in_row(&mut self, bytes: &[u8], is_all: bool) -> Option<Step> {
         let start = self.at + STAMP_LENGTH;

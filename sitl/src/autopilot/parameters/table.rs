@@ -139,6 +139,7 @@ mod rows {
         EK3_ENABLE: Int8 = 1 in 0 .. 1;
         GPS1_TYPE: Int8 = 1 in 0 .. 26;
         COMPASS_ENABLE: Int8 = 1 in 0 .. 1;
+        COMPASS_DEC: Real32 = 0 in -3.2 .. 3.2;
         COMPASS_USE: Int8 = 1 in 0 .. 1;
         BATT_MONITOR: Int8 = 4 in 0 .. 32;
         BATT_CAPACITY: Int32 = 100000 in 1 .. 2000000;

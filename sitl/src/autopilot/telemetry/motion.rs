@@ -6,6 +6,7 @@ use helmlink_wire::dialect::*;
 use helmlink_wire::enums::*;
 
 use super::super::Autopilot;
+use super::super::parameters::COMPASS_DEC;
 use crate::physics::GRAVITY_MPS2;
 
 /// Horizontal magnetic field along the bow of a boat heading north, and downward, milligauss.
@@ -173,7 +174,8 @@ impl Autopilot {
     }
 
     fn imu(&self) -> Imu {
-        let (sin, cos) = self.estimate.psi_rad.sin_cos();
+        // The compass needle points to magnetic north, COMPASS_DEC to the east of the true one.
+        let (sin, cos) = (self.estimate.psi_rad - self.parameters.get(COMPASS_DEC)).sin_cos();
         let turning_g = self.motion().forward_mps() * self.estimate.r_radps / GRAVITY_MPS2;
         let (north, down) = FIELD_MGAUSS;
         Imu {

@@ -1,0 +1,106 @@
+//! `helmlink replay --drive`: the recorded track, driven again in the simulator.
+
+use std::time::Instant;
+
+use clap::Parser;
+use helmlink_mission::route::Route;
+use helmlink_mission::track::{Fix, TrackSettings, mission_of_track};
+
+use super::engine::Engine;
+use super::what_if::wishes;
+use super::{LogFiles, ReplayArgs};
+use crate::app::console;
+use crate::app::failure::Failure;
+use crate::app::mission::Drivable;
+use crate::app::result::{self, RunResult, Subject};
+use crate::app::sitl;
+use crate::app::world::{World, WorldArgs};
+use crate::replay::picture::Side;
+use crate::replay::what_if::{Moment, Sink, Window};
+use crate::simulation::Trial;
+
+/// Standing still at least so long becomes a hold, seconds.
+const STOP_S: f64 = 10.0;
+
+/// The simulated world as it is where nothing is said.
+#[derive(Debug, Parser)]
+struct Defaults {
+    #[command(flatten)]
+    world: WorldArgs,
+}
+
+pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
+    if !(args.tolerance.is_finite() && args.tolerance > 0.0) {
+        return Err(Failure::usage(format!("--tolerance {}: give metres above 0", args.tolerance)));
+    }
+    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let settings = engine.settings(&wishes(args), Window::Any)?;
+    let mut track = Track::default();
+    engine.run(settings.clone(), Side::Recorded, &mut [&mut track])?;
+    let track_settings = TrackSettings { tolerance_m: args.tolerance, stop_s: Some(STOP_S) };
+    let made = mission_of_track(&track.0, &track_settings)
+        .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.name())))?;
+    let route = Route::from_mission(&made.mission).map_err(Failure::failed)?;
+    tracing::info!(
+        "driving {:.0} m again: {} items, nothing of the track is farther than {:.2} m from them",
+        made.length_m,
+        made.mission.items.len(),
+        made.deviation_m
+    );
+    let name = format!("{}, driven again", files.name());
+    let drivable = Drivable { name, mission: made.mission, route };
+    let hull = settings.boat.name.clone();
+    let defaults = Defaults::try_parse_from(["replay", "--boat", &hull]).map_err(Failure::failed)?;
+    let world = World::from_args(&defaults.world).map_err(|error| {
+        Failure::usage(format!(
+            "{error}; --drive needs a boat that the simulator has: choose one with --boat"
+        ))
+    })?;
+    let home = sitl::home(&world, Some(&drivable.mission));
+    let toward = sitl::first_target(home, &drivable.route);
+    let trial = Trial {
+        boat: settings.boat,
+        controller: settings.controller,
+        output: settings.output,
+        speed_mps: settings.speed_mps,
+        interval_s: 0.04,
+        hull: world.hull.clone(),
+        sea: world.sea,
+        sensors: world.sensors,
+        seed: world.seed,
+        delay_s: 0.0,
+        mission: drivable.mission.clone(),
+        route: drivable.route.clone(),
+        home,
+        heading_rad: sitl::heading_rad(&world, home, toward),
+    };
+    let mut run = trial.closed_loop().map_err(Failure::usage)?;
+    run.keep_journal();
+    let started = Instant::now();
+    let outcome = run.run(trial.limit());
+    let wall_s = started.elapsed().as_secs_f64();
+    let subject = Subject::of(drivable.name, &world, trial.controller.as_str(), trial.output.as_str());
+    let result = RunResult::new(&subject, outcome, wall_s);
+    let (recorder, log) = run.into_recorder();
+    if !args.no_report {
+        result::write_report(&args.report, &result, &world, recorder, &log)?;
+        tracing::info!("report in {}", args.report.display());
+    }
+    console::say(&if args.common.json { result.json()? } else { result.text() });
+    result.check()
+}
+
+/// Where the boat was.
+#[derive(Default)]
+struct Track(Vec<Fix>);
+
+impl Sink for Track {
+    fn moment(&mut self, moment: &Moment) {
+        let speed_mps = moment.state.surge_mps.hypot(moment.state.sway_mps);
+        self.0.push(Fix { time_s: moment.time_s, position: moment.place, speed_mps });
+    }
+
+    fn command(&mut self, _time_us: u64, _frame: &[u8]) {}
+
+    fn event(&mut self, _time_s: f64, _text: &str) {}
+}

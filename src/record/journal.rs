@@ -1,0 +1,262 @@
+//! Writes a recording, call by call.
+
+use std::time::Duration;
+
+use helmlink_wire::dialect::{CharArray, STATUSTEXT_DATA};
+use helmlink_wire::tlog::TlogWriter;
+use helmlink_wire::{Encoder, Frame, LinkId, Message};
+
+use super::settings::tunnel;
+use super::splitter::{Piece, Splitter};
+use super::tape::{Call, Entry, MAX_TEXT};
+use super::{ControlState, Header, RECORDER, TAPE, TUNNEL_LENGTH};
+
+/// The values with names are logged with every so many control steps.
+const STEPS_PER_NAMED: u32 = 5;
+/// Characters in one STATUSTEXT.
+const TEXT_LENGTH: usize = 50;
+/// The longest event that is logged, in STATUSTEXT chunks.
+const MOST_CHUNKS: usize = 8;
+
+/// How a frame left the bridge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// A request, a report, a heartbeat.
+    Talk,
+    /// It steers the boat.
+    Steer,
+}
+
+/// What was received and sent, as telemetry log records, until the driver writes them away.
+#[derive(Debug)]
+pub struct Journal {
+    unix_start_us: u64,
+    now: Duration,
+    log: TlogWriter<Vec<u8>>,
+    header: Vec<u8>,
+    encoder: Encoder,
+    streams: Vec<(LinkId, Splitter)>,
+    tape: Vec<u8>,
+    run: Option<Entry>,
+    last_call_ns: u64,
+    batches: u32,
+    steps: u32,
+    texts: u16,
+}
+
+impl Journal {
+    /// A journal that begins with `header`.
+    pub fn new(header: &Header) -> Self {
+        let mut journal = Self {
+            unix_start_us: header.unix_start_us.unsigned_abs(),
+            now: Duration::ZERO,
+            log: TlogWriter::new(Vec::new()),
+            header: Vec::new(),
+            encoder: Encoder::new(),
+            streams: Vec::new(),
+            tape: Vec::new(),
+            run: None,
+            last_call_ns: 0,
+            batches: 0,
+            steps: 0,
+            texts: 0,
+        };
+        // A header that cannot be written leaves a log that can still be read, if not proven.
+        for message in header.to_messages().unwrap_or_default() {
+            journal.write_own(&message);
+        }
+        journal.header = journal.log.clone().into_inner();
+        journal
+    }
+
+    /// The records with which every file of this recording begins; the first [`Self::take`] has them too.
+    pub fn header(&self) -> &[u8] {
+        &self.header
+    }
+
+    /// A peer has appeared.
+    pub fn link_up(&mut self, now: Duration, link: LinkId) {
+        self.call(now, Call::LinkUp(link));
+    }
+
+    /// A peer has gone.
+    pub fn link_down(&mut self, now: Duration, link: LinkId) {
+        self.call(now, Call::LinkDown(link));
+        self.split(link, &[], true);
+    }
+
+    /// Bytes of a peer have arrived.
+    pub fn bytes(&mut self, now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        let count = bytes.len() as u64;
+        self.call(now, if is_datagram { Call::Datagram(link, count) } else { Call::Bytes(link, count) });
+        self.split(link, bytes, is_datagram);
+    }
+
+    /// Time has passed.
+    pub fn tick(&mut self, now: Duration) {
+        self.call(now, Call::Tick);
+    }
+
+    /// The user asks something.
+    pub fn request(&mut self, now: Duration, request: &impl serde::Serialize) {
+        let text = serde_json::to_vec(request).unwrap_or_default();
+        self.call(now, Call::Request(text));
+    }
+
+    /// The log can no longer be written, or can again.
+    pub fn recording_failed(&mut self, now: Duration, failed: bool) {
+        self.call(now, Call::RecordingFailed(failed.into()));
+    }
+
+    /// A frame goes out.
+    pub fn sent(&mut self, link: LinkId, frame: &Frame<'_>, purpose: Purpose) {
+        self.write(frame);
+        match purpose {
+            Purpose::Talk => self.count(Entry::Sent(link, 1)),
+            Purpose::Steer => self.count(Entry::Steered(link, 1)),
+        }
+    }
+
+    /// A control step has been made.
+    ///
+    /// Its whole state is logged as one array, and now and then `named`: the best known of it by name.
+    pub fn stepped(&mut self, state: &ControlState, named: impl Iterator<Item = Message>) {
+        self.note(&state.to_message());
+        if self.steps.is_multiple_of(STEPS_PER_NAMED) {
+            named.for_each(|message| self.note(&message));
+        }
+        self.steps = self.steps.wrapping_add(1);
+    }
+
+    /// Something worth a line has happened; long lines go into several STATUSTEXT with one id.
+    pub fn event(&mut self, severity: u8, text: &str) {
+        let text: Vec<u8> = text.chars().map(|c| if c.is_ascii() { c as u8 } else { b'?' }).collect();
+        self.texts = self.texts.wrapping_add(1).max(1);
+        let chunks = text.chunks(TEXT_LENGTH).take(MOST_CHUNKS);
+        let id = if text.len() > TEXT_LENGTH { self.texts } else { 0 };
+        for (chunk_seq, chunk) in (0..).zip(chunks) {
+            let text = CharArray::from(String::from_utf8_lossy(chunk).as_ref());
+            self.note(&Message::STATUSTEXT(STATUSTEXT_DATA { severity, text, id, chunk_seq }));
+        }
+    }
+
+    /// The records since the last call, whole ones only.
+    pub fn take(&mut self) -> Vec<u8> {
+        std::mem::replace(&mut self.log, TlogWriter::new(Vec::new())).into_inner()
+    }
+
+    /// Ends the recording and hands out its last records.
+    pub fn finish(&mut self) -> Vec<u8> {
+        for link in self.streams.iter().map(|(link, _)| *link).collect::<Vec<_>>() {
+            self.split(link, &[], true);
+        }
+        self.end_run();
+        self.end_batch();
+        self.take()
+    }
+
+    fn call(&mut self, now: Duration, call: Call) {
+        self.now = now;
+        let now_ns = now.as_nanos().min(u128::from(u64::MAX)) as u64;
+        let since_ns = now_ns.saturating_sub(self.last_call_ns);
+        self.last_call_ns = self.last_call_ns.max(now_ns);
+        self.put(Entry::Call(since_ns, call));
+    }
+
+    /// Cuts what a link has brought into frames for everybody and noise for the tape alone.
+    fn split(&mut self, link: LinkId, bytes: &[u8], is_end: bool) {
+        let index = self.streams.iter().position(|(known, _)| *known == link).unwrap_or_else(|| {
+            self.streams.push((link, Splitter::default()));
+            self.streams.len() - 1
+        });
+        let mut splitter = std::mem::take(&mut self.streams[index].1);
+        splitter.push(bytes, is_end, |piece| match piece {
+            // What looks like our own notes, because an old log is being played to us, must not be taken for them.
+            Piece::Frame(frame) if frame.identity() != RECORDER => {
+                self.write(&frame);
+                self.count(Entry::Received(link, 1));
+            }
+            Piece::Frame(frame) => self.noise(link, frame.bytes()),
+            Piece::Noise(bytes) => self.noise(link, bytes),
+        });
+        self.streams[index].1 = splitter;
+    }
+
+    fn noise(&mut self, link: LinkId, bytes: &[u8]) {
+        for part in bytes.chunks(MAX_TEXT) {
+            self.put(Entry::Noise(link, part.to_vec()));
+        }
+    }
+
+    /// Logs a message that was on no link.
+    fn note(&mut self, message: &Message) {
+        self.write_own(message);
+        self.count(Entry::Noted(1));
+    }
+
+    fn write_own(&mut self, message: &Message) {
+        let mut bytes = Vec::with_capacity(64);
+        self.encoder.encode(RECORDER, message, &mut bytes);
+        if let Ok(frame) = Frame::parse(&bytes) {
+            self.write(&frame);
+        }
+    }
+
+    fn write(&mut self, frame: &Frame<'_>) {
+        let time_us = self.unix_start_us.saturating_add(self.now.as_micros() as u64);
+        // Writing to memory does not fail.
+        self.log.write(time_us, frame).ok();
+    }
+
+    /// One more frame of the log, of the kind that `entry` says.
+    fn count(&mut self, entry: Entry) {
+        let run = match (&mut self.run, &entry) {
+            (Some(Entry::Received(a, run)), Entry::Received(b, _)) if a == b => run,
+            (Some(Entry::Sent(a, run)), Entry::Sent(b, _)) if a == b => run,
+            (Some(Entry::Steered(a, run)), Entry::Steered(b, _)) if a == b => run,
+            (Some(Entry::Noted(run)), Entry::Noted(_)) => run,
+            _ => {
+                self.end_run();
+                self.run = Some(entry);
+                return;
+            }
+        };
+        *run += 1;
+    }
+
+    fn end_run(&mut self) {
+        if let Some(entry) = self.run.take() {
+            self.append(&entry);
+        }
+    }
+
+    fn put(&mut self, entry: Entry) {
+        self.end_run();
+        self.append(&entry);
+    }
+
+    /// Puts an entry on the tape; a batch of entries goes into the log when no more fit into one message.
+    fn append(&mut self, entry: &Entry) {
+        let mut bytes = Vec::with_capacity(16);
+        entry.write(&mut bytes);
+        if BATCH_HEAD + self.tape.len() + bytes.len() > TUNNEL_LENGTH {
+            self.end_batch();
+        }
+        self.tape.extend_from_slice(&bytes);
+    }
+
+    fn end_batch(&mut self) {
+        if self.tape.is_empty() {
+            return;
+        }
+        let content = [&self.batches.to_le_bytes()[..], &self.tape].concat();
+        self.batches = self.batches.wrapping_add(1);
+        self.tape.clear();
+        if content.len() <= TUNNEL_LENGTH {
+            self.write_own(&tunnel(TAPE, &content));
+        }
+    }
+}
+
+/// A batch begins with its number, four bytes.
+pub(crate) const BATCH_HEAD: usize = 4;
