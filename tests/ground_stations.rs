@@ -19,37 +19,37 @@ fn boat(scheme: &str, speedup: &str) -> (Helmlink, String) {
 
 #[test]
 fn pymavlink_runs_a_mission_over_tcp() {
-    let (_boat, address) = boat("tcpin", "10");
+    let (_boat, address) = boat("tcpin", "5");
     Script::run("pymavlink_mission.py", &[&format!("tcp:{address}"), LONG]);
 }
 
 #[test]
 fn pymavlink_runs_a_mission_over_udp() {
-    let (_boat, address) = boat("udpin", "10");
+    let (_boat, address) = boat("udpin", "5");
     Script::run("pymavlink_mission.py", &[&format!("udpout:{address}"), SHORT]);
 }
 
 #[test]
 fn mavsdk_runs_a_mission() {
-    let (_boat, address) = boat("tcpin", "10");
+    let (_boat, address) = boat("tcpin", "5");
     Script::run("mavsdk_mission.py", &["native", &format!("tcpout://{address}"), LONG]);
 }
 
 #[test]
 fn mavsdk_by_grpc_runs_a_mission_over_udp() {
-    let (_boat, address) = boat("udpin", "10");
+    let (_boat, address) = boat("udpin", "5");
     Script::run("mavsdk_mission.py", &["grpc", &format!("udpout://{address}"), SHORT]);
 }
 
 #[test]
 fn mavproxy_runs_a_mission() {
-    let (_boat, address) = boat("tcpin", "5");
+    let (_boat, address) = boat("tcpin", "2");
     Script::run("mavproxy_mission.py", &[&format!("tcp:{address}"), SHORT]);
 }
 
 #[test]
 fn several_ground_stations_watch_while_one_drives() {
-    let (_boat, address) = boat("tcpin", "5");
+    let (_boat, address) = boat("tcpin", "2");
     let (tcp, tcpout) = (format!("tcp:{address}"), format!("tcpout://{address}"));
     let watchers = [
         Script::start("pymavlink_mission.py", &[&tcp, SHORT, "watch"]),

@@ -172,8 +172,8 @@ async def drive(client, plan):
 
 async def watch(client):
     """Sees another ground station's mission end, and reads it."""
-    await reach(client, 2)
-    await finished(client)
+    texts = client.stream(client.telemetry, "status_text")
+    await first(texts, lambda message: message.text == "Mission Complete", "the boat saying that it is done")
     print(f"saw the mission end, {len(await client.mission_raw.download_mission())} items on board")
 
 

@@ -103,7 +103,7 @@ def main():
         watch(connection)
     else:
         drive(connection, plan, position)
-        assert connection.mav_loss == 0, f"{connection.mav_loss} frames lost"
+    assert boat.lost(connection) == 0, f"{boat.lost(connection)} frames of the boat's lost"
 
 
 main()
