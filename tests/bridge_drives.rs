@@ -103,7 +103,8 @@ fn the_pilot_takes_over(kind: &str) {
     scene.bridge.wait_for_line("the pilot took over (STEERING)");
     scene.bridge.interrupt();
     scene.bridge.into_process().succeed();
-    let log = std::fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
+    let mut paths = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let log = paths.find(|path| path.extension().is_some_and(|extension| extension == "tlog")).unwrap();
     assert_nothing_after_the_heartbeat(&std::fs::read(log).unwrap());
 }
 

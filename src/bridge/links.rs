@@ -116,6 +116,11 @@ impl Links {
         let all: Vec<LinkId> = self.ids().collect();
         let link = self.links.iter_mut().find(|link| link.id == id)?;
         while let Some(frame) = link.framer.next_any() {
+            if frame.is_verified()
+                && let Some(journal) = &mut self.journal
+            {
+                journal.taken(id, frame.bytes());
+            }
             let message = if frame.is_verified() { frame.decode().ok() } else { None };
             let way = self.router.way(now, id, &frame, message.as_ref(), own, &all);
             if !self.listen_only {

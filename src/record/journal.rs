@@ -1,5 +1,6 @@
 //! Writes a recording, call by call.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use helmlink_wire::dialect::{CharArray, STATUSTEXT_DATA};
@@ -27,6 +28,22 @@ pub enum Purpose {
     Steer,
 }
 
+/// What one link has brought.
+#[derive(Debug)]
+struct Stream {
+    link: LinkId,
+    splitter: Splitter,
+    /// What is not in the log yet.
+    held: VecDeque<Held>,
+}
+
+/// A frame, or bytes that belong to none.
+#[derive(Debug)]
+struct Held {
+    bytes: Vec<u8>,
+    is_frame: bool,
+}
+
 /// What was received and sent, as telemetry log records, until the driver writes them away.
 #[derive(Debug)]
 pub struct Journal {
@@ -35,7 +52,7 @@ pub struct Journal {
     log: TlogWriter<Vec<u8>>,
     header: Vec<u8>,
     encoder: Encoder,
-    streams: Vec<(LinkId, Splitter)>,
+    streams: Vec<Stream>,
     tape: Vec<u8>,
     run: Option<Entry>,
     last_call_ns: u64,
@@ -142,20 +159,23 @@ impl Journal {
 
     /// The records since the last call, whole ones only.
     pub fn take(&mut self) -> Vec<u8> {
+        self.release_all();
         std::mem::replace(&mut self.log, TlogWriter::new(Vec::new())).into_inner()
     }
 
     /// Ends the recording and hands out its last records.
     pub fn finish(&mut self) -> Vec<u8> {
-        for link in self.streams.iter().map(|(link, _)| *link).collect::<Vec<_>>() {
+        for link in self.streams.iter().map(|stream| stream.link).collect::<Vec<_>>() {
             self.split(link, &[], true);
         }
+        self.release_all();
         self.end_run();
         self.end_batch();
         self.take()
     }
 
     fn call(&mut self, now: Duration, call: Call) {
+        self.release_all();
         self.now = now;
         let now_ns = now.as_nanos().min(u128::from(u64::MAX)) as u64;
         let since_ns = now_ns.saturating_sub(self.last_call_ns);
@@ -163,23 +183,48 @@ impl Journal {
         self.put(Entry::Call(since_ns, call));
     }
 
+    /// The bridge looks at this frame now: it goes into the log in front of what the bridge makes of it.
+    pub fn taken(&mut self, link: LinkId, frame: &[u8]) {
+        let Some(at) = self.streams.iter().position(|stream| stream.link == link) else { return };
+        let is_it = |held: &Held| held.is_frame && held.bytes == frame;
+        let Some(before) = self.streams[at].held.iter().position(is_it) else { return };
+        let released: Vec<Held> = self.streams[at].held.drain(..=before).collect();
+        released.into_iter().for_each(|held| self.release(link, &held));
+    }
+
     /// Cuts what a link has brought into frames for everybody and noise for the tape alone.
     fn split(&mut self, link: LinkId, bytes: &[u8], is_end: bool) {
-        let index = self.streams.iter().position(|(known, _)| *known == link).unwrap_or_else(|| {
-            self.streams.push((link, Splitter::default()));
+        let at = self.streams.iter().position(|stream| stream.link == link).unwrap_or_else(|| {
+            self.streams.push(Stream { link, splitter: Splitter::default(), held: VecDeque::new() });
             self.streams.len() - 1
         });
-        let mut splitter = std::mem::take(&mut self.streams[index].1);
-        splitter.push(bytes, is_end, |piece| match piece {
-            // What looks like our own notes, because an old log is being played to us, must not be taken for them.
-            Piece::Frame(frame) if frame.identity() != RECORDER => {
+        let Stream { splitter, held, .. } = &mut self.streams[at];
+        splitter.push(bytes, is_end, |piece| {
+            held.push_back(match piece {
+                Piece::Frame(frame) => Held { bytes: frame.bytes().to_vec(), is_frame: true },
+                Piece::Noise(bytes) => Held { bytes: bytes.to_vec(), is_frame: false },
+            });
+        });
+    }
+
+    /// Logs what has come in and the bridge has not looked at.
+    fn release_all(&mut self) {
+        for at in 0..self.streams.len() {
+            let link = self.streams[at].link;
+            let held = std::mem::take(&mut self.streams[at].held);
+            held.iter().for_each(|held| self.release(link, held));
+        }
+    }
+
+    fn release(&mut self, link: LinkId, held: &Held) {
+        // What looks like our own notes, because an old log is being played to us, must not be taken for them.
+        match Frame::parse(&held.bytes) {
+            Ok(frame) if held.is_frame && frame.identity() != RECORDER => {
                 self.write(&frame);
                 self.count(Entry::Received(link, 1));
             }
-            Piece::Frame(frame) => self.noise(link, frame.bytes()),
-            Piece::Noise(bytes) => self.noise(link, bytes),
-        });
-        self.streams[index].1 = splitter;
+            _ => self.noise(link, &held.bytes),
+        }
     }
 
     fn noise(&mut self, link: LinkId, bytes: &[u8]) {
