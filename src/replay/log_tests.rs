@@ -75,9 +75,10 @@ fn the_recorded_run_goes_through_the_controller_to_its_end() {
     let driven = result.recorded.unwrap();
     assert!(driven.distance_m > 200.0 && driven.cross_track_straight_m.unwrap().rms < 3.0, "{driven:?}");
     let difference = result.difference.unwrap();
-    // Two controllers on the same states: alike on the legs, each with its own way round the corners.
+    // Two controllers on the same states. Each has its own way round the corners, and one that only listens there
+    // steers against the turn that the other makes early: so nothing is said of their correlation.
     assert!(difference.samples > 500 && difference.steering_rms < 0.2, "{difference:?}");
-    assert!(difference.steering_correlation.unwrap() > 0.1, "{difference:?}");
+    assert!(difference.throttle_rms < 0.2, "{difference:?}");
     assert!(picture.panels()[0].curves[1].readings.len() > 500);
 }
 
