@@ -15,6 +15,7 @@ use super::console::{self, ProgressLine};
 use super::edge::Edge;
 use super::failure::Failure;
 use super::ground_station::GroundStation;
+use super::log_report::PAGE;
 use super::mission::{self, Drivable};
 use super::paced_sitl::{self, PacedSitl};
 use super::result::{self, RunResult, Subject};
@@ -109,7 +110,7 @@ impl Demo {
         bridge.keep_journal(unix_time_us());
         let mut demo = Self {
             boat: boat_edge,
-            station: connect(GroundStation::new(drivable.mission.clone()), &address).await?,
+            station: connect(GroundStation::new(drivable.mission.clone(), args.speedup), &address).await?,
             bridge: connect(bridge, &address).await?,
             recorder: RunRecorder::new(home),
             sampled: Duration::ZERO,
@@ -209,7 +210,7 @@ impl Demo {
         } else {
             let folder = args.report.display();
             console::say(&format!(
-                "{}\n\nThe picture is {folder}/{}, the log {folder}/log.tlog.",
+                "{}\n\nThe report is {folder}/{PAGE}, its picture {folder}/{}, the log {folder}/log.tlog.",
                 result.text(),
                 result::PICTURE
             ));

@@ -19,7 +19,7 @@ use crate::vehicle::{StreamRequests, Telemetry};
 
 /// Who the ground station is.
 const OWN: Identity = Identity { system: 255, component: enums::MAV_COMP_ID_MISSIONPLANNER };
-/// Interval of its heartbeat, and of repeated requests.
+/// Interval of its heartbeat at the boat's pace, and of repeated requests.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// How often it wants to hear where the boat is, seconds.
 const STREAM_INTERVAL_S: f64 = 0.5;
@@ -52,14 +52,16 @@ pub(super) struct GroundStation {
     telemetry: Telemetry,
     streams: StreamRequests,
     task: Task,
+    heartbeat_interval: Duration,
     last_heartbeat: Option<Duration>,
     last_request: Option<Duration>,
     notes: VecDeque<String>,
 }
 
 impl GroundStation {
-    /// A ground station that will upload `mission`.
-    pub(super) fn new(mission: Mission) -> Self {
+    /// A ground station that will upload `mission` to a boat whose time runs `speedup` times as fast as the clock:
+    /// who watches its heartbeat on the boat's time must not miss it.
+    pub(super) fn new(mission: Mission, speedup: f64) -> Self {
         Self {
             mission,
             link: None,
@@ -70,6 +72,7 @@ impl GroundStation {
             telemetry: Telemetry::default(),
             streams: StreamRequests::new(STREAM_INTERVAL_S),
             task: Task::Finding,
+            heartbeat_interval: INTERVAL.div_f64(speedup.max(1.0)),
             last_heartbeat: None,
             last_request: None,
             notes: VecDeque::new(),
@@ -126,7 +129,7 @@ impl GroundStation {
     }
 
     fn work(&mut self, now: Duration) {
-        if is_due(&mut self.last_heartbeat, now) {
+        if is_due(&mut self.last_heartbeat, now, self.heartbeat_interval) {
             self.send(&Message::HEARTBEAT(HEARTBEAT_DATA {
                 mavtype: enums::MAV_TYPE_GCS,
                 autopilot: enums::MAV_AUTOPILOT_INVALID,
@@ -165,7 +168,7 @@ impl GroundStation {
     }
 
     fn ask_to_arm(&mut self, now: Duration, vehicle: Identity, arm: bool) {
-        if is_due(&mut self.last_request, now) {
+        if is_due(&mut self.last_request, now, INTERVAL) {
             let params = [f32::from(u8::from(arm)), 0.0, 0.0];
             self.send(&command_long(vehicle, enums::MAV_CMD_COMPONENT_ARM_DISARM, params));
         }
@@ -179,8 +182,8 @@ impl GroundStation {
 }
 
 /// True once per interval.
-fn is_due(last: &mut Option<Duration>, now: Duration) -> bool {
-    let due = last.is_none_or(|then| now.saturating_sub(then) >= INTERVAL);
+fn is_due(last: &mut Option<Duration>, now: Duration, interval: Duration) -> bool {
+    let due = last.is_none_or(|then| now.saturating_sub(then) >= interval);
     if due {
         *last = Some(now);
     }
