@@ -14,6 +14,9 @@
 //! | `actions` | commands of the mission that are the flight controller's |
 //! | `commands` | commands to the bridge itself |
 //! | `follow` | keeps the flight controller's current item and the bridge's the same |
+//! | `listening` | what the flight controller says, and which one it is |
+//! | `ordering` | commands to the bridge, and the answers to its own |
+//! | `housekeeping` | requests, parameters and missions, looked after from time to time |
 //! | `observing` | what the failsafes see |
 //! | `fence` | gets the fence |
 //! | [`resume`] | going on after the bridge itself has died |
@@ -29,9 +32,12 @@ mod commands;
 pub mod controller_state;
 mod fence;
 mod follow;
+mod housekeeping;
 mod links;
+mod listening;
 mod mission;
 mod observing;
+mod ordering;
 pub mod pace;
 pub mod parameters;
 mod reporting;
@@ -47,33 +53,27 @@ mod timesync;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use helmlink_mission::route::Ending;
-use helmlink_wire::dialect::{COMMAND_ACK_DATA, HEARTBEAT_DATA, MISSION_SET_CURRENT_DATA, MessageSet};
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
 pub use settings::{BridgeSettings, MissionSource};
 pub use status::{Event, Status};
 
 use self::actions::Actions;
-use self::commands::{Command, Order};
-use self::fence::FenceNews;
 use self::follow::CurrentItem;
 use self::links::Links;
-use self::mission::{MissionKeeper, News};
+use self::mission::MissionKeeper;
 use self::observing::Observer;
 use self::parameters::Tunables;
 use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
 use self::timesync::TimeSync;
-use crate::control::boat::Actuators;
+use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
-use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
-use crate::pilot::{MissionRun, RunSettings, rejoin};
+use crate::pilot::supervisor::{Policy, Request, Supervisor};
 use crate::record::{ControlState, Header, Journal};
-use crate::vehicle::output::{self, Output, checks};
-use crate::vehicle::telemetry::{Sender, Update, classify};
-use crate::vehicle::{Cadence, Mode, ParameterReader, StreamRequests, Telemetry, VehicleClock};
+use crate::vehicle::output::{self, Output};
+use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
 pub const TICK: Duration = Duration::from_millis(20);
@@ -375,365 +375,6 @@ impl Bridge {
             self.on_vehicle_message(vehicle, message);
         }
         self.on_order(link, from, vehicle, message);
-    }
-
-    /// Somebody says that he is there: perhaps the flight controller.
-    fn meet(&mut self, link: LinkId, from: Identity, heartbeat: &HEARTBEAT_DATA) {
-        match (classify(from, heartbeat), self.vehicle) {
-            (Sender::Boat, None) => self.adopt(Vehicle { link, id: from }),
-            (Sender::Boat, Some(known))
-                if known.id == from
-                    && known.link != link
-                    && self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S =>
-            {
-                self.adopt(Vehicle { link, id: from });
-            }
-            (Sender::WrongVehicle(kind, autopilot), None) if self.refusal.is_none() => {
-                let text = format!(
-                    "system {} is no boat or rover run by ArduPilot (MAV_TYPE {kind}, MAV_AUTOPILOT {autopilot}): \
-                     helmlink steers only those; connect it to the boat's flight controller, or set FRAME_CLASS to boat",
-                    from.system
-                );
-                self.refusal = Some(text.clone());
-                self.event(enums::MAV_SEVERITY_ERROR, text);
-            }
-            _ => {}
-        }
-    }
-
-    fn adopt(&mut self, vehicle: Vehicle) {
-        self.forget_vehicle();
-        self.vehicle = Some(vehicle);
-        self.refusal = None;
-        let text = format!("found the flight controller: system {}", vehicle.id.system);
-        self.event(enums::MAV_SEVERITY_INFO, text);
-    }
-
-    fn forget_vehicle(&mut self) {
-        self.vehicle = None;
-        self.telemetry = Telemetry::default();
-        self.observer.forget_vehicle();
-        self.watch.forget_position();
-        self.ask_again();
-    }
-
-    /// The flight controller is new or has restarted: nothing that was asked of it still holds.
-    fn ask_again(&mut self) {
-        self.streams.ask_again();
-        self.parameters.ask_again();
-        self.output_ready = self.settings.shadow;
-        self.mission.on_vehicle_lost();
-        self.current.clear();
-    }
-
-    fn on_vehicle_message(&mut self, vehicle: Vehicle, message: &Message) {
-        self.streams.on_message(self.now, message.message_id());
-        let update = self.telemetry.on_message(self.now, message);
-        let own = self.own(vehicle.id);
-        match message {
-            Message::PARAM_VALUE(data) => {
-                if self.parameters.on_value(data) && self.output_ready {
-                    self.output_ready = self.configure_output();
-                }
-            }
-            Message::MISSION_CURRENT(data) => {
-                self.mission.on_total(self.now, data.total, own, vehicle.id);
-                if let Some(item) = self.current.on_current(data.seq) {
-                    self.jump_to_item(item);
-                }
-            }
-            Message::STATUSTEXT(data) => self.on_vehicle_text(data),
-            Message::TIMESYNC(data) => {
-                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
-                    self.links.send(vehicle.link, own, &answer);
-                }
-                self.tell_delay();
-            }
-            Message::COMMAND_ACK(data) => self.on_ack(own, data),
-            _ => {
-                self.mission.on_message(self.now, vehicle.id, message);
-                self.observer.fence.on_message(self.now, vehicle.id, message);
-            }
-        }
-        match update {
-            Update::None => {}
-            Update::Heartbeat => self.supervise(),
-            Update::Rebooted => {
-                self.event(enums::MAV_SEVERITY_WARNING, "the flight controller has restarted");
-                self.observer.forget_vehicle();
-                self.watch.forget_position();
-                self.observer.rebooted = true;
-                self.ask_again();
-                self.supervise();
-            }
-            Update::Attitude(boot_s) => {
-                self.clock.on_boot_time(boot_s);
-                if self.cadence.on_attitude(boot_s) {
-                    self.control_step();
-                }
-            }
-            Update::Position(boot_s) => {
-                if self.cadence.on_position(boot_s) {
-                    self.control_step();
-                }
-            }
-        }
-    }
-
-    /// Tells the controller how long its commands are under way, in the vehicle's time.
-    fn tell_delay(&mut self) {
-        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
-            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
-        }
-    }
-
-    /// Commands and requests to the bridge itself, from anybody.
-    fn on_order(&mut self, link: LinkId, from: Identity, vehicle: Vehicle, message: &Message) {
-        let own = self.own(vehicle.id);
-        if let Message::MISSION_SET_CURRENT(MISSION_SET_CURRENT_DATA { seq, target_system, target_component }) =
-            message
-            && (*target_system, *target_component) == (own.system, own.component)
-        {
-            self.jump_to_item(*seq);
-        }
-        self.on_parameter_message(link, from, message);
-        let Some(command) = Command::from_message(message, own) else { return };
-        let result = match command.order() {
-            Order::Engage => {
-                if command.number == enums::MAV_CMD_MISSION_START
-                    && let Some(run) = self.run.as_mut().filter(|_| self.supervisor.state() == State::Ready)
-                {
-                    run.jump_to(0);
-                }
-                self.obey(Request::Engage { patient: false })
-            }
-            Order::Pause => self.obey(Request::Pause),
-            Order::SetCurrent(item) => {
-                if self.jump_to_item(item) {
-                    enums::MAV_RESULT_ACCEPTED
-                } else {
-                    enums::MAV_RESULT_DENIED
-                }
-            }
-            Order::ChangeSpeed(speed_mps) => self.change_speed(speed_mps),
-            Order::LetGo => self.obey(Request::LetGo),
-            Order::ResetParameters => {
-                self.reset_parameters();
-                enums::MAV_RESULT_ACCEPTED
-            }
-            // Parameters are kept as they are set.
-            Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
-            // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
-            Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
-            Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
-            Order::Denied => enums::MAV_RESULT_DENIED,
-        };
-        self.links.send(link, own, &command.acknowledge(from, result));
-    }
-
-    fn change_speed(&mut self, speed_mps: f64) -> u8 {
-        let most_mps = self.settings.boat.limits.speed_max_mps;
-        let Some(run) = self.run.as_mut().filter(|_| (LEAST_SPEED_MPS..=most_mps).contains(&speed_mps))
-        else {
-            return enums::MAV_RESULT_DENIED;
-        };
-        run.set_speed(Some(speed_mps));
-        self.event(enums::MAV_SEVERITY_INFO, format!("speed {speed_mps:.2} m/s from now on, as asked"));
-        enums::MAV_RESULT_ACCEPTED
-    }
-
-    fn obey(&mut self, request: Request) -> u8 {
-        match self.take_request(request) {
-            Ok(()) => enums::MAV_RESULT_ACCEPTED,
-            Err(why) => {
-                self.event(enums::MAV_SEVERITY_WARNING, format!("command refused: {why}"));
-                enums::MAV_RESULT_TEMPORARILY_REJECTED
-            }
-        }
-    }
-
-    /// Goes on with the first waypoint that belongs to this mission item or a later one.
-    fn jump_to_item(&mut self, item: u16) -> bool {
-        let Some(run) = &mut self.run else { return false };
-        let Some(index) = run.route().waypoints.iter().position(|waypoint| waypoint.item >= item) else {
-            return false;
-        };
-        run.jump_to(index);
-        self.watch.on_new_way();
-        self.event(
-            enums::MAV_SEVERITY_INFO,
-            format!("going on with item {item}, as the ground station asked"),
-        );
-        true
-    }
-
-    fn on_ack(&mut self, own: Identity, data: &COMMAND_ACK_DATA) {
-        let is_ours = data.target_system == 0
-            || (data.target_system, data.target_component) == (own.system, own.component);
-        let refused =
-            data.result != enums::MAV_RESULT_ACCEPTED && data.result != enums::MAV_RESULT_IN_PROGRESS;
-        if is_ours && self.actions.on_ack(data) {
-            self.tell_of_actions();
-        } else if is_ours && refused {
-            let text = format!("command {} refused with MAV_RESULT {}", data.command, data.result);
-            self.event(enums::MAV_SEVERITY_DEBUG, text);
-        }
-    }
-
-    fn tell_of_actions(&mut self) {
-        while let Some(outcome) = self.actions.poll_outcome() {
-            self.event(outcome.severity, outcome.text);
-        }
-    }
-
-    fn housekeeping(&mut self) {
-        let is_due = self.last_housekeeping.is_none_or(|then| self.now.saturating_sub(then) >= HOUSEKEEPING);
-        if !is_due {
-            return;
-        }
-        self.last_housekeeping = Some(self.now);
-        self.report();
-        self.send_parameter_list();
-        self.take_mission_news();
-        if let Some(vehicle) = self.vehicle {
-            self.ask(vehicle);
-            self.check_output();
-        }
-        self.supervise();
-        self.try_to_resume();
-        self.keep_sending();
-    }
-
-    /// Sends what is due to be asked of the flight controller.
-    fn ask(&mut self, vehicle: Vehicle) {
-        let own = self.own(vehicle.id);
-        let Vehicle { link, id } = vehicle;
-        while let Some(message) = self.streams.poll(self.now, id) {
-            self.links.send(link, own, &message);
-        }
-        if let Some(message) = self.timesync.poll(self.driver_now, id) {
-            self.links.send(link, own, &message);
-        }
-        while let Some(message) = self.parameters.poll(self.now, id) {
-            self.links.send(link, own, &message);
-        }
-        while let Some(message) = self.mission.poll(self.now, own, id) {
-            self.links.send(link, own, &message);
-        }
-        let is_free = self.mission.is_ready() || self.run.is_none();
-        while let Some(message) = self.observer.fence.poll(self.now, own, id, is_free) {
-            self.links.send(link, own, &message);
-        }
-        while let Some(message) = self.current.poll(self.now, id) {
-            self.links.send(link, own, &message);
-        }
-        while let Some(message) = self.actions.poll(self.now, id) {
-            self.links.send(link, own, &message);
-        }
-        self.tell_of_actions();
-    }
-
-    fn check_output(&mut self) {
-        if self.output_ready || !self.parameters.is_complete() {
-            return;
-        }
-        self.parameters.require(&output::channel_parameters(&self.parameters));
-        if self.parameters.is_complete() {
-            self.output_ready = self.configure_output();
-            if self.output_ready {
-                self.warn_of_parameters();
-            }
-        }
-    }
-
-    /// Fits the output to the vehicle's parameters; says what stands against it.
-    fn configure_output(&mut self) -> bool {
-        self.watch.configure(self.failsafes_in_force());
-        let (kind, system) = (self.settings.output, self.settings.ground_station_system);
-        let configured = self.output.configure(&self.parameters);
-        let obstacle = checks::obstacle(kind, system, &self.parameters);
-        match configured.err().or(obstacle) {
-            None => true,
-            Some(text) => {
-                if self.reporter.is_new_problem(&text) {
-                    self.event(enums::MAV_SEVERITY_ERROR, text);
-                }
-                false
-            }
-        }
-    }
-
-    fn warn_of_parameters(&mut self) {
-        let is_twin = matches!(self.settings.boat.actuators, Actuators::TwinThrusters(_));
-        for warning in checks::warnings(self.settings.output, is_twin, &self.parameters) {
-            self.event(enums::MAV_SEVERITY_WARNING, warning);
-        }
-    }
-
-    fn take_mission_news(&mut self) {
-        match self.mission.poll_news(self.now) {
-            Some(News::Loaded(route)) => {
-                // To stay for ever at the end is the flight controller's to do: it goes on without the bridge.
-                let stays = route.ending == Ending::Loiter;
-                self.supervisor.set_end_mode(if stays { Mode::LOITER } else { self.settings.end_mode });
-                let text = format!("mission loaded: {} waypoints", route.waypoints.len());
-                let speed_mps = self.usual_speed_mps();
-                let settings = RunSettings { speed_mps, controller: self.settings.controller };
-                let run = MissionRun::new(route, self.settings.boat.clone(), settings);
-                self.event(enums::MAV_SEVERITY_INFO, text);
-                self.take_up(run);
-            }
-            Some(News::Unusable(text)) => {
-                self.run = None;
-                if self.reporter.is_new_problem(&text) {
-                    self.event(enums::MAV_SEVERITY_ERROR, text);
-                }
-            }
-            Some(News::NotRead(text)) if self.reporter.is_new_problem(&text) => {
-                self.event(enums::MAV_SEVERITY_WARNING, text);
-            }
-            Some(News::NotRead(_)) | None => {}
-        }
-        match self.observer.fence.poll_news(self.now) {
-            Some(FenceNews::Loaded) => {
-                self.event(enums::MAV_SEVERITY_INFO, "fence loaded: the bridge watches it too");
-            }
-            Some(FenceNews::NotRead(why)) => {
-                let text = format!("the fence could not be read, so it is not watched: {why}");
-                self.event(enums::MAV_SEVERITY_WARNING, text);
-            }
-            None => {}
-        }
-    }
-
-    /// Another mission is there. One that comes under way is followed from where the boat is.
-    fn take_up(&mut self, mut run: MissionRun) {
-        let under_way = matches!(self.supervisor.state(), State::Engaged | State::Holding);
-        if let (Some(old), Some(position)) =
-            (self.run.as_ref().filter(|_| under_way), self.telemetry.position)
-        {
-            let next = old.progress().next;
-            let target = old.route().waypoints.get(next).map(|waypoint| waypoint.position);
-            let index = rejoin::next_waypoint(run.route(), position.value.place, target, next > 0);
-            run.jump_to(index);
-            let text = format!("the mission has changed under way: going on with waypoint {}", index + 1);
-            self.event(enums::MAV_SEVERITY_NOTICE, text);
-        }
-        self.run = Some(run);
-        self.tell_delay();
-        self.current.clear();
-        self.watch.on_new_way();
-        if self.supervisor.state() == State::Engaged {
-            self.engage_run();
-        }
-    }
-
-    /// Speed over ground where the mission does not say, m/s.
-    fn usual_speed_mps(&self) -> f64 {
-        self.settings
-            .speed_mps
-            .or_else(|| output::full_speed_mps(&self.parameters))
-            .unwrap_or(self.settings.boat.limits.cruise_mps)
     }
 
     fn event(&mut self, severity: u8, text: impl Into<String>) {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`table`] | every parameter: name, unit, meaning, and where its value lives |
 //! | [`store`] | values, ranges, the text they are kept in |
-//! | [`service`] | PARAM_REQUEST_LIST, PARAM_REQUEST_READ, PARAM_SET |
+//! | `service` | PARAM_REQUEST_LIST, PARAM_REQUEST_READ, PARAM_SET |
 //!
 //! Every parameter is a REAL32, flags and choices included: the two ways in which MAVLink packs integers into a
 //! float, and ground stations' guesses at which one a component uses, then make no difference.

@@ -1,0 +1,120 @@
+//! What the flight controller says, and which one it is.
+
+use helmlink_wire::dialect::{HEARTBEAT_DATA, MessageSet};
+use helmlink_wire::{Identity, LinkId, Message, enums};
+
+use super::{Bridge, MOVE_AFTER_S, Vehicle};
+use crate::vehicle::Telemetry;
+use crate::vehicle::telemetry::{Sender, Update, classify};
+
+impl Bridge {
+    /// Somebody says that he is there: perhaps the flight controller.
+    pub(super) fn meet(&mut self, link: LinkId, from: Identity, heartbeat: &HEARTBEAT_DATA) {
+        match (classify(from, heartbeat), self.vehicle) {
+            (Sender::Boat, None) => self.adopt(Vehicle { link, id: from }),
+            (Sender::Boat, Some(known))
+                if known.id == from
+                    && known.link != link
+                    && self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S =>
+            {
+                self.adopt(Vehicle { link, id: from });
+            }
+            (Sender::WrongVehicle(kind, autopilot), None) if self.refusal.is_none() => {
+                let text = format!(
+                    "system {} is no boat or rover run by ArduPilot (MAV_TYPE {kind}, MAV_AUTOPILOT {autopilot}): \
+                     helmlink steers only those; connect it to the boat's flight controller, or set FRAME_CLASS to boat",
+                    from.system
+                );
+                self.refusal = Some(text.clone());
+                self.event(enums::MAV_SEVERITY_ERROR, text);
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn adopt(&mut self, vehicle: Vehicle) {
+        self.forget_vehicle();
+        self.vehicle = Some(vehicle);
+        self.refusal = None;
+        let text = format!("found the flight controller: system {}", vehicle.id.system);
+        self.event(enums::MAV_SEVERITY_INFO, text);
+    }
+
+    pub(super) fn forget_vehicle(&mut self) {
+        self.vehicle = None;
+        self.telemetry = Telemetry::default();
+        self.observer.forget_vehicle();
+        self.watch.forget_position();
+        self.ask_again();
+    }
+
+    /// The flight controller is new or has restarted: nothing that was asked of it still holds.
+    pub(super) fn ask_again(&mut self) {
+        self.streams.ask_again();
+        self.parameters.ask_again();
+        self.output_ready = self.settings.shadow;
+        self.mission.on_vehicle_lost();
+        self.current.clear();
+    }
+
+    pub(super) fn on_vehicle_message(&mut self, vehicle: Vehicle, message: &Message) {
+        self.streams.on_message(self.now, message.message_id());
+        let update = self.telemetry.on_message(self.now, message);
+        let own = self.own(vehicle.id);
+        match message {
+            Message::PARAM_VALUE(data) => {
+                if self.parameters.on_value(data) && self.output_ready {
+                    self.output_ready = self.configure_output();
+                }
+            }
+            Message::MISSION_CURRENT(data) => {
+                self.mission.on_total(self.now, data.total, own, vehicle.id);
+                if let Some(item) = self.current.on_current(data.seq) {
+                    self.jump_to_item(item);
+                }
+            }
+            Message::STATUSTEXT(data) => self.on_vehicle_text(data),
+            Message::TIMESYNC(data) => {
+                if let Some(answer) = self.timesync.on_message(self.driver_now, vehicle.id, data) {
+                    self.links.send(vehicle.link, own, &answer);
+                }
+                self.tell_delay();
+            }
+            Message::COMMAND_ACK(data) => self.on_ack(own, data),
+            _ => {
+                self.mission.on_message(self.now, vehicle.id, message);
+                self.observer.fence.on_message(self.now, vehicle.id, message);
+            }
+        }
+        match update {
+            Update::None => {}
+            Update::Heartbeat => self.supervise(),
+            Update::Rebooted => {
+                self.event(enums::MAV_SEVERITY_WARNING, "the flight controller has restarted");
+                self.observer.forget_vehicle();
+                self.watch.forget_position();
+                self.observer.rebooted = true;
+                self.ask_again();
+                self.supervise();
+            }
+            Update::Attitude(boot_s) => {
+                self.clock.on_boot_time(boot_s);
+                if self.cadence.on_attitude(boot_s) {
+                    self.control_step();
+                }
+            }
+            Update::Position(boot_s) => {
+                if self.cadence.on_position(boot_s) {
+                    self.control_step();
+                }
+            }
+        }
+    }
+
+    /// Tells the controller how long its commands are under way, in the vehicle's time.
+    pub(super) fn tell_delay(&mut self) {
+        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
+            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
+        }
+    }
+}
