@@ -3,4 +3,5 @@
 mod figures;
 mod matrix;
 mod rig;
+mod senses;
 mod services;
