@@ -103,6 +103,7 @@ table! {
     failsafe "HL_FS_SAT" "HL_FSA_SAT" = Saturated;
     failsafe "HL_FS_LATE" "HL_FSA_LATE" = LoopLate;
     choice "HL_FSA_REC" = Recording;
+    choice "HL_FSA_OUT" = OutputRefused;
 }
 
 impl Place {
