@@ -6,8 +6,8 @@ use helmlink_mission::geodesy::LocalFrame;
 use helmlink_wire::dialect::HEARTBEAT_DATA;
 use helmlink_wire::enums;
 
-use super::fence::FenceKeeper;
 use super::Bridge;
+use super::fence::FenceKeeper;
 use crate::control::Boat;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::{Action, Failsafe, FailsafeSettings, Observation, PositionFix, Trip};

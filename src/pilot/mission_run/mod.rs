@@ -207,8 +207,10 @@ impl MissionRun {
         if !gains_changed {
             return false;
         }
+        // Guidance and planning are made for their limits; the law alone can take over gains.
+        let law_only = self.boat.guidance == boat.guidance && self.boat.limits == boat.limits;
         self.boat = boat.clone();
-        let kept = self.helm.retune(boat);
+        let kept = law_only && self.helm.retune(boat);
         if !kept {
             self.helm = Helm::with_controller(boat, settings.controller, EndOfPath::Stop);
         }
