@@ -20,6 +20,7 @@ mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
+mod parameter_list;
 mod ranges;
 mod recorder;
 mod replay;

@@ -115,7 +115,7 @@ impl Peer {
 
     /// This peer is there; comes before any other event of it.
     pub(super) fn up(&self) -> LinkEvent {
-        tracing::info!(link = self.link.0, peer = %self.name, "link up");
+        tracing::debug!(link = self.link.0, peer = %self.name, "link up");
         LinkEvent::Up { link: self.link, endpoint: self.endpoint.id, peer: self.name.clone() }
     }
 
@@ -133,7 +133,7 @@ impl Peer {
         self.endpoint.registry.remove(self.link);
         self.outbox.discard();
         let traffic = self.outbox.traffic();
-        tracing::info!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
+        tracing::debug!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
         LinkEvent::Down { link: self.link, reason }
     }
 
