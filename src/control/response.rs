@@ -32,8 +32,9 @@ const BINS_PER_FIT: u32 = 20;
 const LEAST_SEEN_PART: f64 = 0.3;
 /// The delayed moment has to explain this part of what else stays unexplained.
 const LEAST_EXPLAINED: f64 = 0.6;
-/// A moment that works so differently from the model is not what moves the boat.
-const EFFECT_RANGE: (f64, f64) = (0.2, 5.0);
+/// A moment that works so differently from the model is not what moves the boat: a boat that rings answers every delay a
+/// little.
+const EFFECT_RANGE: (f64, f64) = (0.45, 2.2);
 
 /// A delay as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,16 +209,17 @@ impl YawResponse {
         if self.weight * BIN_S < LEAST_SEEN_PART * self.memory_s {
             return None;
         }
+        let (least, most) = EFFECT_RANGE;
         let mut left = [f64::INFINITY; LAGS];
-        let mut effects = [0.0; LAGS];
+        let mut makes_sense = [false; LAGS];
         for (lag, fit) in self.fits.iter().enumerate() {
             let solved = fit.solve()?;
-            effects[lag] = solved[0];
+            // A moment that turns the boat its own way, against damping that holds it back.
+            makes_sense[lag] = (least..=most).contains(&solved[0]) && solved[1] < 0.0;
             left[lag] = (self.square - solved.dot(&fit.products)).max(0.0);
         }
-        let best = (0..LAGS).min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
-        let (least, most) = EFFECT_RANGE;
-        if best + 1 >= LAGS || !(least..=most).contains(&effects[best]) {
+        let best = (0..LAGS).filter(|lag| makes_sense[*lag]).min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
+        if best + 1 >= LAGS {
             return None;
         }
         // What the equation leaves without any moment, for comparison.
