@@ -26,6 +26,7 @@ mod result;
 mod scenario;
 mod simulate;
 mod sitl;
+mod sitl_log;
 mod state_dir;
 mod trial;
 mod tune;

@@ -39,6 +39,7 @@ use svg::{Area, Point, Style, Svg};
 
 pub use curves::{Curve, Panel, curves_svg};
 pub use html::report_html;
+pub(crate) use thin::keep_extremes;
 
 /// Width of the picture, pixels.
 const WIDTH: f64 = 1200.0;

@@ -2,5 +2,6 @@
 
 mod figures;
 mod matrix;
+mod recordings;
 mod rig;
 mod services;

@@ -21,7 +21,7 @@ const LOOP: Duration = Duration::from_millis(20);
 const TO_BRIDGE: LinkId = LinkId(1);
 const TO_STATION: LinkId = LinkId(2);
 /// The ground station's own link to the bridge, where there is one.
-const DIRECT: LinkId = LinkId(3);
+pub(super) const DIRECT: LinkId = LinkId(3);
 pub(super) const VEHICLE: Identity = Identity { system: 1, component: 1 };
 pub(super) const BRIDGE: Identity = Identity { system: 1, component: 191 };
 pub(super) const STATION: Identity = Identity { system: 255, component: 190 };
@@ -42,6 +42,7 @@ pub(super) struct Rig {
     pub(super) sitl: Sitl,
     pub(super) bridge: Option<Bridge>,
     pub(super) settings: BridgeSettings,
+    recorded: bool,
     pub(super) now: Duration,
     /// Nothing gets through between bridge and boat.
     pub(super) cut: bool,
@@ -68,13 +69,20 @@ pub(super) struct Setup {
     pub(super) hull: &'static str,
     pub(super) waypoints: Vec<(f64, f64)>,
     pub(super) parameters: Vec<(String, f32)>,
+    /// The bridge keeps a journal.
+    pub(super) recorded: bool,
 }
 
 impl Setup {
     pub(super) fn new(output: OutputKind, receiver: bool) -> Self {
         // Without a receiver the boat can only be armed with the throttle failsafe off, as a real one.
         let parameters = if receiver { vec![] } else { vec![("FS_THR_ENABLE".to_owned(), 0.0)] };
-        Self { output, receiver, hull: "otter", waypoints: vec![(20.0, 0.0), (600.0, 0.0)], parameters }
+        let waypoints = vec![(20.0, 0.0), (600.0, 0.0)];
+        Self { output, receiver, hull: "otter", waypoints, parameters, recorded: false }
+    }
+
+    pub(super) fn recorded(output: OutputKind) -> Self {
+        Self { recorded: true, ..Self::new(output, true) }
     }
 }
 
@@ -107,6 +115,7 @@ impl Rig {
             sitl,
             bridge: None,
             settings,
+            recorded: setup.recorded,
             now: Duration::ZERO,
             cut: false,
             tamper: None,
@@ -128,6 +137,9 @@ impl Rig {
     /// Starts a bridge, as after a restart of the companion.
     pub(super) fn start_bridge(&mut self) {
         let mut bridge = Bridge::new(self.settings.clone());
+        if self.recorded {
+            bridge.keep_journal(0);
+        }
         bridge.link_up(self.now, TO_BRIDGE);
         self.bridge = Some(bridge);
     }
