@@ -4,6 +4,7 @@ mod ardupilot_json;
 mod boat;
 mod bridge;
 pub mod cli;
+mod client;
 mod compare;
 mod config;
 mod config_command;

@@ -82,7 +82,7 @@ impl Peer {
 
     /// Tells the hub that this peer is there; comes before any other event of it.
     pub(super) async fn announce(&self) -> Result<(), HubClosed> {
-        tracing::info!(link = self.link.0, peer = %self.name, "link up");
+        tracing::debug!(link = self.link.0, peer = %self.name, "link up");
         let event = LinkEvent::Up { link: self.link, endpoint: self.endpoint.id, peer: self.name.clone() };
         self.tell(event).await
     }
@@ -101,7 +101,7 @@ impl Peer {
         self.endpoint.registry.remove(self.link);
         self.outbox.discard();
         let traffic = self.outbox.traffic();
-        tracing::info!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
+        tracing::debug!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
         self.tell(LinkEvent::Down { link: self.link, reason }).await
     }
 

@@ -2,9 +2,10 @@
 
 use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 
+use super::scan::Scan;
 use super::thinned::Thinned;
 use super::what_if::{Moment, Sink, WhatIf};
-use crate::report::{Curve, Panel, Run, TrackPoint};
+use crate::report::{Curve, FenceArea, Panel, Run, TrackPoint};
 
 /// Spacing of the points that show a smooth path, metres.
 const PATH_SPACING_M: f64 = 0.5;
@@ -89,8 +90,8 @@ impl PictureSink {
         self.path.extend(points);
     }
 
-    /// The run, still without title and figures.
-    pub fn to_run(&self, what_if: &WhatIf) -> Run {
+    /// The run with the fence and the rally points of the log, still without title and figures.
+    pub fn to_run(&self, what_if: &WhatIf, scan: &Scan) -> Run {
         let origin = self.track.iter().next().map(|(place, _)| LocalFrame::new(*place));
         let Some(frame) = what_if.frame().copied().or(origin) else { return Run::default() };
         let start_s = self.start_s.unwrap_or_default();
@@ -102,6 +103,8 @@ impl PictureSink {
         Run {
             mission: what_if.waypoints(),
             path: self.path.iter().map(|place| frame.to_local(*place)).collect(),
+            fence: FenceArea::all_of(&scan.fence, &frame),
+            rally: scan.rally.iter().map(|rally| frame.to_local(rally.position)).collect(),
             track: track.collect(),
             events: self
                 .events

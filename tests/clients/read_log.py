@@ -2,16 +2,16 @@
 
     read_log.py pymavlink LOG      prints one JSON object: what is in the log
     read_log.py mavlogdump LOG     prints how many messages of each type it dumps, as JSON
-    read_log.py mavproxy LOG       MAVProxy follows the log as if it were a boat, up to its end
+    read_log.py mavproxy ADDRESS TEXT...   MAVProxy, while the log is played to it, prints all these texts
 """
 
 import collections
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
+import threading
 
 from pymavlink import mavutil
 
@@ -61,16 +61,27 @@ def mavlogdump(path):
     return {"types": types}
 
 
-def mavproxy(path):
-    """MAVProxy with the log for its master prints the boat's modes and texts."""
+def mavproxy(address, *awaited):
+    """MAVProxy prints the boat's modes and texts, until all that is awaited has been printed."""
     with tempfile.TemporaryDirectory() as folder:
-        proxy = subprocess.run(
-            [*program("mavproxy.py"), "--master", path, "--state-basedir", folder, "--non-interactive",
-             "--default-modules", "mode,arm", "--speedup", "100"],
-            capture_output=True, text=True, timeout=PATIENCE, cwd=folder, stdin=subprocess.DEVNULL)
-    printed = re.sub(r"\x1b\[[0-9;]*m", "", proxy.stdout + proxy.stderr)
-    return {"printed": printed, "code": proxy.returncode}
+        proxy = subprocess.Popen(
+            [*program("mavproxy.py"), "--master", address, "--state-basedir", folder, "--non-interactive",
+             "--default-modules", "mode,arm"],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=folder)
+        threading.Timer(PATIENCE, proxy.kill).start()
+        printed = ""
+        while any(text not in printed for text in awaited):
+            line = proxy.stdout.readline()
+            assert line, f"MAVProxy ended without one of {awaited}:\n{printed}"
+            printed += line
+        proxy.kill()
+        proxy.wait()
+    return {"printed": printed}
 
 
 if __name__ == "__main__":
-    print(json.dumps(globals()[sys.argv[1]](sys.argv[2])))
+    program_name, *rest = sys.argv[1:]
+    print(json.dumps({"pymavlink": pymavlink, "mavlogdump": mavlogdump, "mavproxy": mavproxy}[program_name](*rest)))
+    sys.stdout.flush()
+    # The timer need not run out.
+    os._exit(0)

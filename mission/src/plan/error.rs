@@ -161,6 +161,9 @@ pub enum Fault {
          waypoints or save the mission as \"QGC WPL 110\""
     )]
     ComplexItem(String),
+    /// A complex item for aircraft.
+    #[error("{0}, a boat cannot drive it: remove the item in QGroundControl")]
+    NotForBoats(&'static str),
     /// An item that is neither simple nor complex.
     #[error("type is \"{0}\", expected \"SimpleItem\" or \"ComplexItem\"")]
     ItemType(String),

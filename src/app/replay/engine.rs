@@ -150,7 +150,7 @@ impl Engine {
             .map_err(read_on)?
         {}
         let wall_s = started.elapsed().as_secs_f64();
-        let run = all.picture.to_run(&what_if);
+        let run = all.picture.to_run(&what_if, &self.scan);
         let picture = all.picture;
         let (result, faults) = what_if.finish();
         let notes = self.notes.iter().cloned().chain(faults).collect();

@@ -79,8 +79,11 @@ fn filter(args: &ReplayArgs) -> Result<PlayFilter, Failure> {
 
 async fn play(args: &ReplayArgs, url: &LinkUrl, player: Player<File>) -> Result<(), Failure> {
     let mut hub = Hub::new(LinkSettings::default());
-    hub.open(url).await.map_err(Failure::usage)?;
+    let endpoint = hub.open(url).await.map_err(Failure::usage)?;
     tracing::info!("playing {:.1} s at {} × to {url}", player.length_s(), args.speedup);
+    if let Some(address) = hub.local_address(endpoint) {
+        tracing::info!("listening at {address}");
+    }
     let mut edge = Edge::new(
         Station { player, links: Vec::new(), due: Vec::new(), begun: false, error: None },
         hub,
