@@ -55,7 +55,9 @@ impl ErrorScale {
 /// Draws the strip: error colours, then lines, then the arrows of current and wind.
 pub(super) fn draw(svg: &mut Svg, run: &Run, scale: &ErrorScale, area: Area) {
     let top_left = Point::new(area.left + 40.0, area.top + 14.0);
-    error_colours(svg, scale, top_left);
+    if !run.track.is_empty() {
+        error_colours(svg, scale, top_left);
+    }
     lines(svg, run, top_left.moved(256.0, 0.0));
     let flows = [("current", run.current, theme::BLUE), ("wind", run.wind, theme::INK)];
     let mut at = top_left.moved(404.0, 0.0);

@@ -193,7 +193,8 @@ pub fn track_svg(run: &Run) -> String {
 
     let charts_height = body_height - tables_height;
     let side = Area { left: SIDE_LEFT, top: body_top, width: side_width, height: charts_height };
-    let charts_bottom = charts::draw(&mut svg, run, side);
+    // A mission that nobody has driven has nothing over time.
+    let charts_bottom = if run.track.is_empty() { body_top } else { charts::draw(&mut svg, run, side) };
     tables::draw(&mut svg, run, Point::new(SIDE_LEFT, charts_bottom), side_width);
     svg.finish()
 }

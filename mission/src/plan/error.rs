@@ -110,6 +110,9 @@ pub enum Fault {
          .plan, GeoJSON, GPX, KML, KMZ, CSV with headings): save the mission again from a ground station"
     )]
     NotAMission(String),
+    /// No line with anything on it.
+    #[error("the file is empty: save the mission again from a ground station")]
+    Nothing,
     /// Not text.
     #[error("is not UTF-8 text, so it is not a mission file: save the mission again from a ground station")]
     NotText,

@@ -216,6 +216,11 @@ fn with_params(mut value: Value) -> Value {
 
 fn simple_item(value: Value) -> Result<Item, Fault> {
     let value = with_params(value);
+    if let Some(count) =
+        value.get("params").and_then(Value::as_array).map(Vec::len).filter(|count| *count != 7)
+    {
+        return Err(Fault::Json(format!("\"params\" has {count} values, expected 7")));
+    }
     let item: SimpleItem = from_json(serde_json::from_value(value))?;
     let [p1, p2, p3, p4, latitude_deg, longitude_deg, altitude_m] = item.params;
     // A command without a position has no use for parameters 5 and 6 either.

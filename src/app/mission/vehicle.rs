@@ -312,7 +312,7 @@ fn not_found(args: &VehicleArgs, wrong: Option<(u8, u8)>) -> Failure {
             args.connect
         )),
         None => Failure::no_link(format!(
-            "no heartbeat of a flight controller on {} for {:.0} s: check that it is powered, the address and the \
+            "no heartbeat of a flight controller on {} for {} s: check that it is powered, the address and the \
              baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2)",
             args.connect, args.wait
         )),

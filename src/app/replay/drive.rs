@@ -48,7 +48,7 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     engine.run(settings.clone(), Side::Recorded, &mut [&mut track])?;
     let track_settings = TrackSettings { tolerance_m: args.tolerance, stop_s: Some(STOP_S) };
     let made = mission_of_track(&track.0, &track_settings)
-        .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.name())))?;
+        .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.shown())))?;
     let route = Route::from_mission(&made.mission).map_err(Failure::failed)?;
     let what = format!(
         "{:.0} m again: {} items, nothing of the track is farther than {:.2} m from them",
@@ -97,6 +97,8 @@ fn on_a_boat(
     ]);
     if args.arm {
         arguments.push("--arm");
+    } else {
+        tracing::info!("arm the boat when it may drive; Ctrl-C lets go of it");
     }
     let mut driving = Driving::try_parse_from(arguments).map_err(Failure::failed)?.bridge;
     driving.common = args.common.clone();

@@ -53,7 +53,7 @@ impl Engine {
     /// # Errors
     /// The log cannot be read, or holds no vehicle.
     pub(in crate::app) fn scan(files: LogFiles, system: Option<u8>) -> Result<Self, Failure> {
-        let name = files.name();
+        let name = files.shown();
         let scan =
             Scan::of(files.open()).map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))?;
         if scan.records == 0 {
@@ -139,7 +139,7 @@ impl Engine {
         );
         let mut all = Fan { picture: PictureSink::new(side), sinks };
         let mut log = Ordered::new(self.files.open(), self.scan.disordered > 0);
-        let read_on = |error| Failure::failed(format!("cannot read {}: {error}", self.files.name()));
+        let read_on = |error| Failure::failed(format!("cannot read {}: {error}", self.files.shown()));
         while log
             .next(|time_us, frame| {
                 if let Ok(message) = frame.decode() {

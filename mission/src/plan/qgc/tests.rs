@@ -60,8 +60,8 @@ fn a_scan_without_items_is_the_places_of_its_transects() {
     let mut scan = survey(json!([]));
     scan["TransectStyleComplexItem"]["VisualTransectPoints"] = json!([[59.91, 10.7], [59.92, 10.7, 3.0]]);
     let mission: Mission = plan(json!([waypoint(59.9, 10.7), scan.clone()])).parse().unwrap();
-    let places: Vec<_> = mission.items.iter().map(|item| item.position().unwrap()).collect();
-    assert_eq!(places, [59.9, 59.91, 59.92].map(|latitude_deg| Geodetic::new(latitude_deg, 10.7)));
+    let places: Vec<_> = mission.items.iter().map(|item| (item.x, item.y)).collect();
+    assert_eq!(places, [599_000_000, 599_100_000, 599_200_000].map(|x| (x, 107_000_000)));
     scan["TransectStyleComplexItem"]["VisualTransectPoints"] = json!([[59.91, 10.7], ["here", 10.7]]);
     assert!(
         matches!(fault(&plan(json!([scan]))), (Place::Item(1), Fault::Json(text)) if text.contains("no position"))
@@ -94,7 +94,7 @@ fn says_which_item_and_what_is_wrong() {
     let mut short = here();
     short["params"] = json!([0, 0, 0]);
     assert!(
-        matches!(fault(&plan(json!([short]))), (Place::Item(1), Fault::Json(text)) if text.contains("length 3"))
+        matches!(fault(&plan(json!([short]))), (Place::Item(1), Fault::Json(text)) if text.contains("3 values"))
     );
     let mut huge = here();
     huge["params"][0] = json!(1e300);
