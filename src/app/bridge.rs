@@ -5,14 +5,17 @@ mod lateness;
 mod links;
 mod memory;
 mod operation;
+mod process;
 mod service_manager;
 mod signing;
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::time::Duration;
 
 use clap::Args;
 use helmlink_wire::Identity;
+use tokio_util::task::AbortOnDropHandle;
 
 use self::links::LinkArgs;
 use self::memory::Memory;
@@ -20,10 +23,12 @@ use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
-use super::edge::{Edge, Seen};
+use super::edge::{self, Edge, Seen};
 use super::failure::Failure;
 use super::guarded::Guarded;
+pub(super) use super::interrupt::interrupted;
 use super::mission;
+use super::ranges::{self, number_in};
 use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
@@ -60,10 +65,10 @@ pub struct BridgeArgs {
     )]
     pub output: OutputKind,
     /// The boat that the controller is tuned for
-    #[arg(long, default_value = "otter")]
+    #[arg(long, default_value = "otter", value_parser = ranges::boat)]
     pub boat: String,
     /// Speed over ground, m/s; the mission's own, or the vehicle's WP_SPEED, if not given
-    #[arg(long, value_name = "M/S")]
+    #[arg(long, value_name = "M/S", value_parser = number_in(SPEEDS_MPS, "m/s"))]
     pub speed: Option<f64>,
     /// Drive as soon as everything is ready and the boat is armed
     #[arg(long)]
@@ -90,13 +95,18 @@ pub struct BridgeArgs {
     #[allow(missing_docs)]
     pub recording: RecordArgs,
     /// The control loop's rate, Hz
-    #[arg(long, default_value_t = 25.0, value_name = "HZ")]
+    #[arg(long, default_value_t = 25.0, value_name = "HZ", value_parser = number_in(RATES_HZ, "Hz"))]
     pub rate: f64,
     /// The ground station's system id that overrides are sent with: the flight controller's SYSID_MYGCS
     #[arg(long, default_value_t = 255, value_name = "ID")]
     pub gcs_system: u8,
     /// Give up when no heartbeat has come for this many seconds after the start
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    #[arg(
+        long,
+        default_value_t = 10.0,
+        value_name = "S",
+        value_parser = number_in(0.0..=LONGEST_WAIT_S, "seconds; 0 waits for ever")
+    )]
     pub wait: f64,
     /// End when the mission is complete
     #[arg(long)]
@@ -120,7 +130,11 @@ const STOPPING: Duration = Duration::from_secs(5);
 /// Longest wait for a heartbeat that is not for ever, seconds: a day.
 const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
-const RATES_HZ: (f64, f64) = (2.0, 50.0);
+const RATES_HZ: RangeInclusive<f64> = 2.0..=50.0;
+/// Speeds of any boat, m/s; each has its own limit below that.
+const SPEEDS_MPS: RangeInclusive<f64> = LEAST_SPEED_MPS..=100.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 
 pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     let url = args.connect.clone().ok_or_else(|| {
@@ -129,9 +143,7 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     let mut settings = settings(args)?;
     let memory = remember(args, &url, &mut settings)?;
     let signing = args.links.signing(&args.state)?;
-    let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings, memory, signing))
+    edge::block_on_task(drive(args.clone(), url, settings, memory, signing))?
 }
 
 /// What outlives a run, put into the settings. A shadow keeps nothing.
@@ -154,19 +166,7 @@ fn remember(
 /// The settings that the options ask for.
 fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
     let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
-    if !(RATES_HZ.0..=RATES_HZ.1).contains(&args.rate) {
-        return Err(Failure::usage(format!(
-            "--rate {}: choose {} to {} Hz",
-            args.rate, RATES_HZ.0, RATES_HZ.1
-        )));
-    }
-    if !(0.0..=LONGEST_WAIT_S).contains(&args.wait) {
-        return Err(Failure::usage(format!(
-            "--wait {}: give 0 (for ever) to {LONGEST_WAIT_S} seconds",
-            args.wait
-        )));
-    }
-    let speed_range = 0.1..=boat.limits.speed_max_mps;
+    let speed_range = LEAST_SPEED_MPS..=boat.limits.speed_max_mps;
     if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
         return Err(Failure::usage(format!(
             "--speed must lie between {} and {} m/s for boat {}",
@@ -205,8 +205,8 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
 }
 
 async fn drive(
-    args: &BridgeArgs,
-    url: &LinkUrl,
+    args: BridgeArgs,
+    url: LinkUrl,
     settings: BridgeSettings,
     mut memory: Option<Memory>,
     signing: Option<SigningStore>,
@@ -214,26 +214,30 @@ async fn drive(
     let interval = Duration::from_secs_f64(settings.control_interval_s);
     let mut operation = Operation::start(&args.operation, interval).await?;
     let mut bridge = Bridge::new(settings);
-    let mut log = start_recording(args, &mut bridge)?;
-    let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    let mut log = start_recording(&args, &mut bridge)?;
+    let (guarded, hub) = args.links.open(&url, bridge, signing.as_ref()).await?;
     operation.keep(signing);
     let mut edge = Edge::new(guarded, hub, TICK);
     operation.ready();
-    let mut watch = Watch::new(args);
-    let mut interrupt = std::pin::pin!(interrupted());
+    let mut watch = Watch::new(&args);
+    let interrupt = AbortOnDropHandle::new(tokio::spawn(interrupted()));
     let ending = loop {
-        tokio::select! {
-            biased;
-            () = &mut interrupt => break Ok(()),
-            seen = edge.turn() => watch.look(&edge, seen),
-        }
+        watch.look(edge.turn().await);
         say_events(&mut edge);
+        operation.after_turn(&edge);
+        // What follows has time until the next tick, and need not be done for every datagram.
+        if !edge.has_ticked() {
+            continue;
+        }
         write_log(&mut edge, &mut log);
         if let Some(memory) = &mut memory {
             memory.keep(edge.now(), &mut edge.party);
         }
-        operation.after_turn(&edge);
-        if let Some(ending) = watch.ending(&edge, url) {
+        operation.after_tick(&edge);
+        if interrupt.is_finished() {
+            break Ok(());
+        }
+        if let Some(ending) = watch.ending(&edge, &url) {
             break ending;
         }
     };
@@ -263,16 +267,16 @@ impl Watch {
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
-    fn look(&mut self, edge: &Live, seen: Option<Seen>) {
+    fn look(&self, seen: Option<Seen>) {
         match seen {
             Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
             Some(Seen::Down(reason)) => tracing::warn!("link down: {reason}"),
             None => {}
         }
-        self.found = self.found.or(edge.party.status().vehicle);
     }
 
-    fn ending(&self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
+    fn ending(&mut self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
+        self.found = self.found.or(edge.party.status().vehicle);
         if let Some(refusal) = edge.party.refusal() {
             return Some(Err(Failure::usage(refusal)));
         }
@@ -333,20 +337,4 @@ fn finish_recording(edge: &mut Live, recorder: Option<Recorder>) {
     recorder.write(edge.party.take_journal());
     recorder.write(edge.party.finish_journal());
     recorder.finish_with_report();
-}
-
-/// Ctrl-C, or the signal with which services are ended.
-pub(super) async fn interrupted() {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
-            tokio::select! {
-                _ = tokio::signal::ctrl_c() => {}
-                _ = terminate.recv() => {}
-            }
-            return;
-        }
-    }
-    tokio::signal::ctrl_c().await.ok();
 }

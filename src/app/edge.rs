@@ -5,6 +5,7 @@ use std::time::Duration;
 use helmlink_wire::LinkId;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
+use super::failure::Failure;
 use crate::bridge::Bridge;
 use crate::link::{EndpointId, Hub, LinkEvent, Traffic};
 
@@ -15,6 +16,19 @@ const EVENTS_PER_TURN: usize = 256;
 
 /// A party without a pace waits while so much waits to be read by a peer: a quarter of what fits.
 const CROWDED_BYTES: usize = 16 * 1024;
+
+/// Runs `work` to its end on one thread, as a task.
+///
+/// The future that a runtime of one thread blocks on is expensive to wake: each time, the runtime writes to a
+/// descriptor of its own and goes round once more. A task costs nothing but its place in a queue, which is felt when
+/// every datagram wakes it.
+pub(super) fn block_on_task<T: Send + 'static>(
+    work: impl Future<Output = T> + Send + 'static,
+) -> Result<T, Failure> {
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    runtime.block_on(async { tokio::spawn(work).await }).map_err(Failure::failed)
+}
 
 /// Something that talks with peers and never looks at a clock.
 ///
@@ -70,6 +84,8 @@ pub struct Edge<P> {
     /// Ticks are due this often, however many events there are.
     tick: Duration,
     ticked: Instant,
+    /// Whether the latest turn ticked the party.
+    has_ticked: bool,
     write: Vec<u8>,
 }
 
@@ -87,7 +103,17 @@ impl<P: Party> Edge<P> {
         let mut ticker = interval(tick);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let start = Instant::now();
-        Self { party, hub, start, began: Duration::ZERO, ticker, tick, ticked: start, write: Vec::new() }
+        Self {
+            party,
+            hub,
+            start,
+            began: Duration::ZERO,
+            ticker,
+            tick,
+            ticked: start,
+            has_ticked: false,
+            write: Vec::new(),
+        }
     }
 
     /// Time since the start.
@@ -100,6 +126,11 @@ impl<P: Party> Edge<P> {
         self.began
     }
 
+    /// Whether the latest turn ticked the party.
+    pub fn has_ticked(&self) -> bool {
+        self.has_ticked
+    }
+
     /// What every link that is up has carried.
     pub fn traffic(&self) -> Vec<(LinkId, Traffic)> {
         self.hub.all_traffic()
@@ -108,6 +139,7 @@ impl<P: Party> Edge<P> {
     /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
+        self.has_ticked = false;
         if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
             self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
@@ -121,32 +153,33 @@ impl<P: Party> Edge<P> {
             return seen;
         }
         tokio::select! {
-                biased;
-                event = self.hub.next_event() => {
-                    self.began = self.start.elapsed();
-                    seen = self.handle(event);
-                    for _ in 1..EVENTS_PER_TURN {
-                        let Some(event) = self.hub.try_next_event() else { break };
-                        seen = self.handle(event).or(seen);
-                    }
-                    // A flood of events must not keep the party from its work.
-                    if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
-                        self.tick_party();
-                    }
+            biased;
+            event = self.hub.next_event() => {
+                self.began = self.start.elapsed();
+                seen = self.handle(event);
+                for _ in 1..EVENTS_PER_TURN {
+                    let Some(event) = self.hub.try_next_event() else { break };
+                    seen = self.handle(event).or(seen);
                 }
-                _ = self.ticker.tick() => {
-            self.began = self.start.elapsed();
-            if !self.is_crowded() {
-                self.tick_party();
+                // A flood of events must not keep the party from its work.
+                if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
+                    self.tick_party();
+                }
+            }
+            _ = self.ticker.tick() => {
+                self.began = self.start.elapsed();
+                if !self.is_crowded() {
+                    self.tick_party();
+                }
             }
         }
-            }
         self.flush();
         seen
     }
 
     fn tick_party(&mut self) {
         self.ticked = Instant::now();
+        self.has_ticked = true;
         self.party.on_tick(self.start.elapsed());
     }
 

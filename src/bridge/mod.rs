@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`settings`] | what the user decides beforehand |
 //! | [`status`] | what the bridge tells its surroundings |
+//! | [`counts`] | how often what has gone wrong |
 //! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
@@ -30,6 +31,7 @@
 mod actions;
 mod commands;
 pub mod controller_state;
+pub mod counts;
 mod fence;
 mod follow;
 mod housekeeping;
@@ -55,6 +57,7 @@ use std::time::Duration;
 
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
+pub use counts::Counts;
 pub use settings::{BridgeSettings, MissionSource};
 pub use status::{Event, Status};
 
@@ -123,6 +126,7 @@ pub struct Bridge {
     /// The parameters as the bridge was started with, saved ones left out.
     factory: Tunables,
     steering: Steering,
+    counts: Counts,
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
@@ -172,6 +176,7 @@ impl Bridge {
             parameter_service: ParameterService::default(),
             factory,
             steering: Steering::default(),
+            counts: Counts::default(),
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
@@ -308,6 +313,16 @@ impl Bridge {
             pace: self.steering.pace,
             round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
+    }
+
+    /// How often what has gone wrong so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Control steps made so far.
+    pub fn steps(&self) -> u64 {
+        self.steering.steps
     }
 
     /// The mission being driven, once there is one.

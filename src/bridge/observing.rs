@@ -70,6 +70,7 @@ impl Bridge {
         let verdict = self.watch.look(self.now.as_secs_f64(), &seen);
         self.observer.trip = verdict.trip;
         if let Some(warning) = verdict.warning {
+            self.counts.on_failsafe(warning.failsafe);
             self.event(enums::MAV_SEVERITY_WARNING, warning.to_string());
         }
     }

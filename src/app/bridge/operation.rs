@@ -71,12 +71,18 @@ impl Operation {
         service_manager::tell(News::Ready);
     }
 
-    /// After each turn of the loop. A loop that hangs no longer comes here, and the
-    /// service manager restarts it.
+    /// After each turn of the loop.
     pub(super) fn after_turn(&mut self, edge: &Live) {
+        let steps = edge.party.steps();
+        if self.lateness.is_news(steps) {
+            self.lateness.on_turn(edge.began(), edge.now(), steps, self.interval);
+        }
+    }
+
+    /// After each tick. A loop that hangs no longer comes here, and the service manager restarts it.
+    pub(super) fn after_tick(&mut self, edge: &Live) {
         let now = edge.now();
         let status = edge.party.status();
-        self.lateness.on_turn(edge.began(), now, status.steps, self.interval);
         if self.watchdog.is_some_and(|interval| now.saturating_sub(self.lived) >= interval) {
             self.lived = now;
             service_manager::tell(News::Alive);
