@@ -234,6 +234,10 @@ async fn drive(
             memory.keep(edge.now(), &mut edge.party);
         }
         operation.after_tick(&edge);
+        let now = edge.now();
+        if let Some(health) = operation.health(now) {
+            edge.party.set_health(now, health);
+        }
         if interrupt.is_finished() {
             break Ok(());
         }

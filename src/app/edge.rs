@@ -51,8 +51,13 @@ pub trait Party {
 }
 
 impl Party for Bridge {
-    fn link_up(&mut self, now: Duration, link: LinkId, _endpoint: EndpointId) {
-        Self::link_up(self, now, link);
+    fn link_up(&mut self, now: Duration, link: LinkId, endpoint: EndpointId) {
+        // The first endpoint that is opened is the flight controller's; the others are ground stations'.
+        if endpoint == EndpointId::FIRST {
+            Self::link_up(self, now, link);
+        } else {
+            Self::station_link_up(self, now, link);
+        }
     }
 
     fn link_down(&mut self, now: Duration, link: LinkId) {

@@ -142,7 +142,7 @@ impl GroundStation {
                 }
             }
             Task::Arming if self.telemetry.is_armed() => self.task = Task::Watching,
-            Task::Arming if self.telemetry.estimator_is_ready() => self.ask_to_arm(now, vehicle, true),
+            Task::Arming if self.telemetry.estimator_is_ready(now) => self.ask_to_arm(now, vehicle, true),
             Task::Disarming if !self.telemetry.is_armed() => self.task = Task::Ended(None),
             Task::Disarming => self.ask_to_arm(now, vehicle, false),
             _ => {}

@@ -21,6 +21,7 @@ mod metrics;
 mod mission;
 mod paced_sitl;
 mod parameter_file;
+mod parameter_list;
 mod ranges;
 mod recorder;
 mod replay;

@@ -52,18 +52,18 @@ pub mod status;
 mod steering;
 mod timesync;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
 
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
 pub use counts::Counts;
 pub use settings::{BridgeSettings, MissionSource};
-pub use status::{Event, Status};
+pub use status::{Event, Health, Status};
 
 use self::actions::Actions;
 use self::follow::CurrentItem;
-use self::links::Links;
+use self::links::{FarEnd, Links};
 use self::mission::MissionKeeper;
 use self::observing::Observer;
 use self::parameters::Tunables;
@@ -84,8 +84,9 @@ pub const TICK: Duration = Duration::from_millis(20);
 const HOUSEKEEPING: Duration = Duration::from_millis(10);
 /// Time between two requests for a mode or for arming.
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
-/// A flight controller that shows up on another link is followed there when the old link has been silent this long.
-const MOVE_AFTER_S: f64 = 3.0;
+/// A flight controller that shows up on another link is followed there when the old link has been silent this long: a
+/// datagram's sender has changed its port, or a modem its address. Sooner than its silence ends a drive.
+const MOVE_AFTER_S: f64 = 1.0;
 /// Nobody drives slower than this, m/s.
 const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
@@ -107,6 +108,10 @@ pub struct Bridge {
     now: Duration,
     last_housekeeping: Option<Duration>,
     vehicle: Option<Vehicle>,
+    /// The flight controller that was found first: the bridge keeps to it.
+    kept: Option<Identity>,
+    /// Other flight controllers on its link that have been told of.
+    strangers: BTreeSet<Identity>,
     refusal: Option<String>,
     telemetry: Telemetry,
     cadence: Cadence,
@@ -157,6 +162,8 @@ impl Bridge {
             now: Duration::ZERO,
             last_housekeeping: None,
             vehicle: None,
+            kept: None,
+            strangers: BTreeSet::new(),
             refusal: None,
             telemetry: Telemetry::default(),
             cadence: Cadence::new(settings.control_interval_s),
@@ -224,11 +231,22 @@ impl Bridge {
         self.links.journal().map(|journal| journal.header().to_vec()).unwrap_or_default()
     }
 
-    /// A peer has appeared. It hears from the bridge at once.
+    /// A peer has appeared where the flight controller is. It hears from the bridge at once.
     pub fn link_up(&mut self, now: Duration, link: LinkId) {
         self.record(|journal| journal.link_up(now, link));
+        self.welcome(now, link, FarEnd::Vehicle);
+    }
+
+    /// A peer has appeared that is no flight controller: a ground station, or another program. Whatever it says, it is
+    /// not steered. Bytes from a link of which nothing has been said count as such a peer's.
+    pub fn station_link_up(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.station_up(now, link));
+        self.welcome(now, link, FarEnd::Station);
+    }
+
+    fn welcome(&mut self, now: Duration, link: LinkId, far_end: FarEnd) {
         self.advance(now);
-        self.links.add(now, link);
+        self.links.add(now, link, far_end);
         self.send_heartbeat();
     }
 
@@ -348,6 +366,16 @@ impl Bridge {
     /// SHA-256 of every steering frame sent so far, in order, and their number.
     pub fn commands_digest(&self) -> (String, u64) {
         self.links.commands_digest()
+    }
+
+    /// How the bridge's process is; the ground station is told with the next report. What is not a number is not told.
+    pub fn set_health(&mut self, now: Duration, health: Health) {
+        if ![health.late_ms, health.cpu_percent, health.memory_mb].iter().all(|value| value.is_finite()) {
+            return;
+        }
+        self.record(|journal| journal.health(now, &health));
+        self.advance(now);
+        self.reporter.health = Some(health);
     }
 
     /// Lets the journal, if one is kept, take something down.

@@ -163,7 +163,7 @@ impl Bridge {
                 .event(enums::MAV_SEVERITY_WARNING, format!("not resumed: {}", NotResumed::OtherMission));
         };
         if let Some(run) = &mut self.run {
-            run.jump_to(index);
+            run.join(index, found.place);
         }
         self.event(enums::MAV_SEVERITY_WARNING, format!("resuming at item {}", point.item));
         let conditions = self.conditions();

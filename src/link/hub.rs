@@ -21,6 +21,11 @@ use super::{serial, tcp};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EndpointId(pub usize);
 
+impl EndpointId {
+    /// The one that was opened first.
+    pub const FIRST: Self = Self(0);
+}
+
 /// What happens on the links of a hub. A link's events come in order: `Up`, any number of `Bytes`, `Down`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LinkEvent {

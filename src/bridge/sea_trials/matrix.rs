@@ -32,6 +32,8 @@ pub(super) fn decision_s(failsafe: Failsafe) -> f64 {
             // The boat has to get there first, or to lose its way.
             Failsafe::Fence => 25.0,
             Failsafe::NoProgress | Failsafe::Saturated => 15.0,
+            // What was changed is told at once, or read within five seconds.
+            Failsafe::OutputRefused => 6.0,
             // Told once a second.
             Failsafe::Battery | Failsafe::GroundStation => 2.5,
             // It is silent while it starts.
@@ -103,6 +105,8 @@ pub(super) fn break_it(rig: &mut Rig, failsafe: Failsafe) {
             let now = rig.now;
             rig.bridge().set_recording_failed(now, true);
         }
+        // Somebody takes the right to override.
+        Failsafe::OutputRefused => rig.set_parameter("SYSID_MYGCS", 42.0),
         // Its fence ends ahead of the boat: it only has to go on.
         Failsafe::Fence => {}
     }
@@ -196,6 +200,10 @@ fn check_output(output: OutputKind) {
     let mut faults = Vec::new();
     for definition in &DEFINITIONS {
         for &action in definition.allowed {
+            // Setpoints are taken from whoever sends them.
+            if definition.failsafe == Failsafe::OutputRefused && !output.uses_sticks() {
+                continue;
+            }
             for receiver in [true, false] {
                 if let Err(fault) = check(definition.failsafe, action, output, receiver) {
                     let receiver = if receiver { "receiver" } else { "no receiver" };
