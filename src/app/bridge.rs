@@ -23,7 +23,7 @@ use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
 use super::cli::Common;
 use super::console;
-use super::edge::{self, Edge, Seen};
+use super::edge::{self, Edge, Seen, unless_it_panics};
 use super::failure::Failure;
 use super::guarded::Guarded;
 pub(super) use super::interrupt::interrupted;
@@ -222,7 +222,11 @@ async fn drive(
     let mut watch = Watch::new(&args);
     let interrupt = AbortOnDropHandle::new(tokio::spawn(interrupted()));
     let ending = loop {
-        watch.look(edge.turn().await);
+        let Some(seen) = unless_it_panics(edge.turn()).await else {
+            edge.party.abandon();
+            break Err(Failure::failed("an error in helmlink itself, told above: the boat has been let go"));
+        };
+        watch.look(seen);
         say_events(&mut edge);
         operation.after_turn(&edge);
         // What follows has time until the next tick, and need not be done for every datagram.
@@ -245,7 +249,9 @@ async fn drive(
             break ending;
         }
     };
-    stop(&mut edge).await;
+    if !edge.party.is_abandoned() {
+        stop(&mut edge).await;
+    }
     if let Some(memory) = &mut memory {
         memory.keep(edge.now(), &mut edge.party);
     }

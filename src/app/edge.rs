@@ -1,5 +1,9 @@
 //! Where a pure party meets sockets and the clock.
 
+use std::future::poll_fn;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::pin;
+use std::task::Poll;
 use std::time::Duration;
 
 use helmlink_wire::LinkId;
@@ -28,6 +32,19 @@ pub(super) fn block_on_task<T: Send + 'static>(
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(async { tokio::spawn(work).await }).map_err(Failure::failed)
+}
+
+/// What `work` gives; none when it panics, which must not keep a bridge from letting its boat go.
+pub(super) async fn unless_it_panics<T>(work: impl Future<Output = T>) -> Option<T> {
+    let mut work = pin!(work);
+    poll_fn(|context| {
+        // Whoever goes on afterwards does no more than say good-bye.
+        match catch_unwind(AssertUnwindSafe(|| work.as_mut().poll(context))) {
+            Ok(poll) => poll.map(Some),
+            Err(_) => Poll::Ready(None),
+        }
+    })
+    .await
 }
 
 /// Something that talks with peers and never looks at a clock.
@@ -237,5 +254,24 @@ impl<P: Party> Edge<P> {
                 Some(Seen::Down(reason))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn what_panics_gives_nothing_and_what_waits_is_waited_for() {
+        let panicking = async {
+            tokio::task::yield_now().await;
+            panic!("on purpose");
+        };
+        assert_eq!(unless_it_panics(panicking).await, None::<()>);
+        let waiting = async {
+            tokio::task::yield_now().await;
+            7
+        };
+        assert_eq!(unless_it_panics(waiting).await, Some(7));
     }
 }

@@ -73,9 +73,9 @@ use self::steering::Steering;
 use self::timesync::TimeSync;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
-use crate::pilot::supervisor::{Policy, Request, Supervisor};
+use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::record::{ControlState, Header, Journal};
-use crate::vehicle::output::{self, Output};
+use crate::vehicle::output::{self, Demand, Output};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
@@ -132,6 +132,7 @@ pub struct Bridge {
     factory: Tunables,
     steering: Steering,
     counts: Counts,
+    abandoned: bool,
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
@@ -184,6 +185,7 @@ impl Bridge {
             factory,
             steering: Steering::default(),
             counts: Counts::default(),
+            abandoned: false,
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
@@ -331,6 +333,22 @@ impl Bridge {
             pace: self.steering.pace,
             round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
         }
+    }
+
+    /// Stops the boat and lets it go at once, whatever the state: for a driver that cannot go on. Nothing else is to be
+    /// asked of this bridge than its last frames.
+    pub fn abandon(&mut self) {
+        self.abandoned = true;
+        let drives = matches!(self.supervisor.state(), State::Engaging | State::Engaged | State::HandingBack);
+        if let Some(vehicle) = self.vehicle.filter(|_| drives) {
+            self.send_demand(Demand::NEUTRAL);
+            self.let_go(vehicle);
+        }
+    }
+
+    /// [`Self::abandon`] was called.
+    pub fn is_abandoned(&self) -> bool {
+        self.abandoned
     }
 
     /// How often what has gone wrong so far.

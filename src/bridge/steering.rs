@@ -211,7 +211,7 @@ impl Bridge {
         }
     }
 
-    fn send_demand(&mut self, demand: Demand) {
+    pub(super) fn send_demand(&mut self, demand: Demand) {
         let Some(vehicle) = self.vehicle else { return };
         self.steering.demand = demand;
         self.steering.pace.on_frame(self.now);
@@ -235,7 +235,7 @@ impl Bridge {
         }
     }
 
-    fn let_go(&mut self, vehicle: Vehicle) {
+    pub(super) fn let_go(&mut self, vehicle: Vehicle) {
         self.steering.demand = Demand::NEUTRAL;
         if let Some(message) = self.output.release(vehicle.id) {
             for _ in 0..RELEASE_FRAMES {

@@ -4,7 +4,7 @@ use helmlink_mission::protocol::MissionType;
 use helmlink_wire::dialect::{
     COMMAND_LONG_DATA, CharArray, MISSION_CLEAR_ALL_DATA, PARAM_REQUEST_LIST_DATA, PARAM_SET_DATA,
 };
-use helmlink_wire::{Identity, Message, enums};
+use helmlink_wire::{Framer, Identity, Message, enums};
 
 use super::rig::*;
 use crate::bridge::parameters::PARAMETERS;
@@ -194,6 +194,26 @@ fn a_mission_cleared_under_way_ends_in_loiter() {
     assert!(rig.run_until(10.0, |rig| rig.state() == State::Holding), "{:?}", rig.texts());
     rig.run(1.2);
     assert_eq!(rig.mode, Mode::LOITER);
+}
+
+#[test]
+fn a_bridge_that_cannot_go_on_stops_the_boat_and_lets_go() {
+    for output in OutputKind::ALL {
+        let mut rig = Rig::under_way(Setup::new(output, true), |_| {});
+        rig.bridge().abandon();
+        let mut framer = Framer::new();
+        while let Some((_, bytes)) = rig.bridge().poll_transmit() {
+            framer.push(&bytes);
+        }
+        let mut sent = Vec::new();
+        while let Some(frame) = framer.next_frame() {
+            sent.extend(frame.decode().ok().filter(is_steering));
+        }
+        let (released, driven): (Vec<_>, Vec<_>) = sent.iter().partition(|message| is_release(message));
+        assert!(!driven.is_empty() && driven.iter().all(|message| is_neutral(message)), "{output}: {sent:?}");
+        assert_eq!(!released.is_empty(), output.uses_sticks(), "{output}: {sent:?}");
+        assert_eq!(sent.last().is_some_and(is_release), output.uses_sticks(), "{output}: {sent:?}");
+    }
 }
 
 #[test]
