@@ -5,6 +5,7 @@ mod company;
 mod figures;
 mod gone;
 mod matrix;
+mod recordings;
 mod rejoining;
 mod rig;
 mod senses;
