@@ -295,3 +295,22 @@ fn the_same_mission_gives_the_same_commands() {
     let digest = || trial(&items).run().unwrap().commands_sha256;
     assert_eq!(digest(), digest());
 }
+
+#[test]
+fn a_mission_of_one_point_is_driven_by_every_controller_from_any_heading() {
+    for (index, controller) in Controller::ALL.into_iter().enumerate() {
+        let heading_rad = [3.1, 0.0, -1.6][index % 3];
+        let drive = Drive::of(&Trial { controller, heading_rad, ..trial(&[at(30.0, 0.0)]) }, 240);
+        assert_eq!(drive.state, State::Finished, "{controller}: {:#?}", drive.events);
+        assert_eq!(drive.reached(), [1], "{controller}");
+        let last = drive.sights.last().unwrap();
+        assert!((last.place - NorthEast::new(30.0, 0.0)).norm() < 3.0, "{controller}: {last:?}");
+    }
+}
+
+#[test]
+fn a_mission_of_one_point_where_the_boat_already_is_ends_at_once() {
+    let drive = Drive::of(&trial(&[at(0.3, 0.2)]), 60);
+    assert_eq!((drive.state, drive.reached()), (State::Finished, vec![1]), "{:#?}", drive.events);
+    assert!(drive.sights.iter().all(|sight| sight.speed_mps < 0.2));
+}
