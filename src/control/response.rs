@@ -12,7 +12,7 @@
 //! delay. Inertia, damping and a constant push are fitted along with it, so that a wrong hull model does not pass for
 //! delay. The actuators' own lag is in N already: see [`crate::control::allocation`].
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 use super::model::{Hull, WaterMotion, damping_force};
 
@@ -76,11 +76,13 @@ impl DelayChoice {
     }
 }
 
-/// One regression, for one delay.
-#[derive(Debug, Clone, Copy)]
+/// The sums of one regression that depend on its delay: of the delayed moment's products.
+#[derive(Debug, Clone, Copy, Default)]
 struct Fit {
-    squares: Matrix4<f64>,
-    products: Vector4<f64>,
+    /// With itself, damping, coupling and a constant.
+    squares: Vector4<f64>,
+    /// With the acceleration.
+    product: f64,
 }
 
 /// Watches commanded moments and the yaw rate that follows.
@@ -103,6 +105,10 @@ pub struct YawResponse {
     bins: u32,
     weight: f64,
     square: f64,
+    /// Sums that no delay enters: products of damping, coupling and a constant with one another, and with the
+    /// acceleration.
+    squares: Matrix3<f64>,
+    products: Vector3<f64>,
     fits: [Fit; LAGS],
     measured: Option<MeasuredDelay>,
 }
@@ -129,7 +135,9 @@ impl YawResponse {
             bins: 0,
             weight: 0.0,
             square: 0.0,
-            fits: [Fit { squares: Matrix4::zeros(), products: Vector4::zeros() }; LAGS],
+            squares: Matrix3::zeros(),
+            products: Vector3::zeros(),
+            fits: [Fit::default(); LAGS],
             measured: None,
         }
     }
@@ -197,12 +205,23 @@ impl YawResponse {
         let keep = (-BIN_S / self.memory_s).exp();
         self.weight = keep * self.weight + 1.0;
         self.square = keep * self.square + acceleration * acceleration;
+        let seen = Vector3::new(middle[2], middle[3], 1.0);
+        self.squares = self.squares * keep + seen * seen.transpose();
+        self.products = self.products * keep + seen * acceleration;
         for (lag, fit) in self.fits.iter_mut().enumerate() {
             let moment = self.moments[(self.newest + LAGS - lag) % LAGS];
-            let seen = Vector4::new(moment, middle[2], middle[3], 1.0);
-            fit.squares = fit.squares * keep + seen * seen.transpose();
-            fit.products = fit.products * keep + seen * acceleration;
+            fit.squares = fit.squares * keep + Vector4::new(moment, seen[0], seen[1], seen[2]) * moment;
+            fit.product = fit.product * keep + moment * acceleration;
         }
+    }
+
+    /// The whole regression of one delay.
+    fn with(&self, fit: &Fit) -> (Matrix4<f64>, Vector4<f64>) {
+        let mut squares = Matrix4::zeros();
+        squares.set_column(0, &fit.squares);
+        squares.set_row(0, &fit.squares.transpose());
+        squares.fixed_view_mut::<3, 3>(1, 1).copy_from(&self.squares);
+        (squares, Vector4::new(fit.product, self.products[0], self.products[1], self.products[2]))
     }
 
     fn measure(&self) -> Option<MeasuredDelay> {
@@ -213,17 +232,19 @@ impl YawResponse {
         let mut left = [f64::INFINITY; LAGS];
         let mut makes_sense = [false; LAGS];
         for (lag, fit) in self.fits.iter().enumerate() {
-            let solved = fit.solve()?;
+            let (squares, products) = self.with(fit);
+            let solved = ridged(squares).cholesky()?.solve(&products);
             // A moment that turns the boat its own way, against damping that holds it back.
             makes_sense[lag] = (least..=most).contains(&solved[0]) && solved[1] < 0.0;
-            left[lag] = (self.square - solved.dot(&fit.products)).max(0.0);
+            left[lag] = (self.square - solved.dot(&products)).max(0.0);
         }
         let best = (0..LAGS).filter(|lag| makes_sense[*lag]).min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
         if best + 1 >= LAGS {
             return None;
         }
         // What the equation leaves without any moment, for comparison.
-        let idle = self.fits[0].without_moment().map(|part| (self.square - part).max(0.0))?;
+        let without = ridged(self.squares).cholesky()?.solve(&self.products);
+        let idle = (self.square - without.dot(&self.products)).max(0.0);
         let explained = 1.0 - left[best] / idle.max(f64::MIN_POSITIVE);
         if explained < LEAST_EXPLAINED {
             return None;
@@ -250,25 +271,11 @@ impl YawResponse {
 /// Share of the diagonal that is added to it: a boat that never turned tells nothing of its damping.
 const RIDGE: f64 = 1.0e-6;
 
-impl Fit {
-    fn ridged(&self) -> Matrix4<f64> {
-        let mut squares = self.squares;
-        for index in 0..4 {
-            squares[(index, index)] += RIDGE * squares[(index, index)] + f64::MIN_POSITIVE;
-        }
-        squares
+fn ridged<const N: usize>(mut squares: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    for index in 0..N {
+        squares[(index, index)] += RIDGE * squares[(index, index)] + f64::MIN_POSITIVE;
     }
-
-    fn solve(&self) -> Option<Vector4<f64>> {
-        self.ridged().cholesky().map(|factored| factored.solve(&self.products))
-    }
-
-    /// The sum of squares that damping, coupling and a constant explain.
-    fn without_moment(&self) -> Option<f64> {
-        let squares = self.ridged().fixed_view::<3, 3>(1, 1).into_owned();
-        let products = self.products.fixed_rows::<3>(1).into_owned();
-        squares.cholesky().map(|factored| factored.solve(&products).dot(&products))
-    }
+    squares
 }
 
 #[cfg(test)]

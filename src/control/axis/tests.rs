@@ -306,6 +306,29 @@ fn limited(most: f64, rate: f64, told: bool, command: impl Fn(f64) -> f64) -> Ve
         .collect()
 }
 
+/// χ̇ = −a_c χ + ζ (τ − τ_achieved), and S = e + λ ξ − χ: what never reached the hull is taken out of the surface.
+#[test]
+fn what_the_actuators_leave_undone_is_taken_out_of_the_surface() {
+    for achieved_part in [0.0, 0.4, 1.0] {
+        let mut axis = axis();
+        axis.settings.integral_slope = 0.0;
+        axis.anti_windup = 0.05;
+        let input = input(0.3, 0.1, 0.0);
+        let demand = axis.demand(DT_S, &input);
+        let before = axis.anti_windup;
+        axis.settle(DT_S, &input, AxisOutcome { achieved: achieved_part * demand, saturated: true });
+        let a_c = ANTI_WINDUP_PART * axis.settings.reaching_gain;
+        let expected = -a_c * before + input.effect * (1.0 - achieved_part) * demand;
+        let rate = (axis.anti_windup - before) / DT_S;
+        assert!(
+            (rate - expected).abs() < 1.0e-6 * (1.0 + expected.abs()),
+            "{achieved_part}: {rate} {expected}"
+        );
+        axis.demand(DT_S, &input);
+        assert!((axis.surface - (axis.error - axis.anti_windup)).abs() < 1.0e-12);
+    }
+}
+
 #[test]
 fn an_actuator_that_is_slow_does_not_wind_up() {
     for (most, rate) in [(100.0, 12.0), (80.0, 20.0), (200.0, 20.0), (200.0, 40.0)] {
