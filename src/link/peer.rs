@@ -1,10 +1,11 @@
 //! One peer: its number, its bounded queue of writes, its counters.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use helmlink_wire::LinkId;
+use helmlink_wire::outbox::Lost;
 use tokio::sync::Notify;
 
 use super::hub::{Endpoint, LinkEvent};
@@ -30,6 +31,8 @@ pub(super) struct HubClosed;
 #[derive(Debug, Default)]
 pub(super) struct Registry {
     peers: Mutex<BTreeMap<LinkId, Arc<Outbox>>>,
+    /// How many there are.
+    count: Arc<AtomicUsize>,
     next: AtomicU32,
 }
 
@@ -42,19 +45,23 @@ impl Registry {
         lock(&self.peers).iter().map(|(link, outbox)| (*link, outbox.traffic())).collect()
     }
 
-    /// Bytes that wait to be written, for the peer for which most do.
-    pub(super) fn most_waiting_bytes(&self) -> usize {
-        lock(&self.peers).values().map(|outbox| lock(&outbox.waiting).bytes).max().unwrap_or(0)
+    /// Whether a peer has a quarter of what may wait for it to read.
+    pub(super) fn is_crowded(&self) -> bool {
+        lock(&self.peers).values().any(|outbox| outbox.is_crowded())
     }
 
     fn insert(&self, outbox: Arc<Outbox>) -> LinkId {
         let link = LinkId(self.next.fetch_add(1, Ordering::Relaxed));
-        lock(&self.peers).insert(link, outbox);
+        let mut peers = lock(&self.peers);
+        peers.insert(link, outbox);
+        self.count.store(peers.len(), Ordering::Relaxed);
         link
     }
 
     fn remove(&self, link: LinkId) {
-        lock(&self.peers).remove(&link);
+        let mut peers = lock(&self.peers);
+        peers.remove(&link);
+        self.count.store(peers.len(), Ordering::Relaxed);
     }
 }
 
@@ -75,7 +82,12 @@ pub(super) struct Peer {
 impl Peer {
     /// Gives a number to the peer called `name`, for which at most `queue_bytes` may wait.
     pub(super) fn register(endpoint: &Endpoint, name: String, queue_bytes: usize) -> Self {
-        let outbox = Arc::new(Outbox::new(queue_bytes));
+        let limit = Limit {
+            own_bytes: queue_bytes,
+            total_bytes: endpoint.settings.total_queue_bytes,
+            peers: Arc::clone(&endpoint.registry.count),
+        };
+        let outbox = Arc::new(Outbox::new(limit));
         let link = endpoint.registry.insert(Arc::clone(&outbox));
         Self { link, outbox, name, endpoint: endpoint.clone() }
     }
@@ -117,39 +129,50 @@ impl Drop for Peer {
     }
 }
 
-/// Writes that wait for one peer, the oldest first, bounded in bytes.
+/// Writes that wait for one peer, bounded in bytes.
 #[derive(Debug)]
 pub(super) struct Outbox {
     waiting: Mutex<Waiting>,
     changed: Notify,
-    limit_bytes: usize,
+    limit: Limit,
+}
+
+/// How much may wait for one peer.
+#[derive(Debug, Clone)]
+struct Limit {
+    own_bytes: usize,
+    /// For all peers together, who share it alike.
+    total_bytes: usize,
+    peers: Arc<AtomicUsize>,
+}
+
+impl Limit {
+    fn bytes(&self) -> usize {
+        self.own_bytes.min(self.total_bytes / self.peers.load(Ordering::Relaxed).max(1))
+    }
 }
 
 #[derive(Debug, Default)]
 struct Waiting {
-    writes: VecDeque<Vec<u8>>,
-    bytes: usize,
+    writes: helmlink_wire::Outbox,
     closed: bool,
     traffic: Traffic,
 }
 
 impl Waiting {
-    fn lose_oldest(&mut self) {
-        if let Some(write) = self.writes.pop_front() {
-            self.bytes -= write.len();
-            self.traffic.lost_writes += 1;
-            self.traffic.lost_bytes += write.len() as u64;
-        }
+    fn count(&mut self, lost: Lost) {
+        self.traffic.lost_writes += lost.writes;
+        self.traffic.lost_bytes += lost.bytes;
     }
 }
 
 impl Outbox {
-    fn new(limit_bytes: usize) -> Self {
-        Self { waiting: Mutex::default(), changed: Notify::new(), limit_bytes }
+    fn new(limit: Limit) -> Self {
+        Self { waiting: Mutex::default(), changed: Notify::new(), limit }
     }
 
-    /// Queues one write, at the price of the oldest ones where there is no room; a write larger than the
-    /// whole queue still waits, alone. False when the outbox is closed.
+    /// Queues one write, at the price of older ones where there is no room; see [`helmlink_wire::outbox`]. False
+    /// when the outbox is closed.
     pub(super) fn push(&self, data: &[u8]) -> bool {
         let mut waiting = lock(&self.waiting);
         if waiting.closed {
@@ -158,14 +181,16 @@ impl Outbox {
         if data.is_empty() {
             return true;
         }
-        while waiting.bytes + data.len() > self.limit_bytes && !waiting.writes.is_empty() {
-            waiting.lose_oldest();
-        }
-        waiting.bytes += data.len();
-        waiting.writes.push_back(data.to_vec());
+        let lost = waiting.writes.push(data, self.limit.bytes());
+        waiting.count(lost);
         drop(waiting);
         self.changed.notify_one();
         true
+    }
+
+    /// Whether a quarter of what may wait does.
+    fn is_crowded(&self) -> bool {
+        lock(&self.waiting).writes.bytes() >= self.limit.bytes() / 4
     }
 
     /// The next write, or none once the outbox is closed and empty. For one task at a time.
@@ -173,8 +198,7 @@ impl Outbox {
         loop {
             {
                 let mut waiting = lock(&self.waiting);
-                if let Some(write) = waiting.writes.pop_front() {
-                    waiting.bytes -= write.len();
+                if let Some(write) = waiting.writes.pop() {
                     return Some(write);
                 }
                 if waiting.closed {
@@ -195,9 +219,8 @@ impl Outbox {
     fn discard(&self) {
         self.close();
         let mut waiting = lock(&self.waiting);
-        while !waiting.writes.is_empty() {
-            waiting.lose_oldest();
-        }
+        let lost = waiting.writes.clear();
+        waiting.count(lost);
     }
 
     pub(super) fn count_sent(&self, bytes: usize) {
@@ -224,9 +247,13 @@ impl Outbox {
 mod tests {
     use super::*;
 
+    fn outbox(own_bytes: usize) -> Outbox {
+        Outbox::new(Limit { own_bytes, total_bytes: 1000, peers: Arc::new(AtomicUsize::new(1)) })
+    }
+
     #[tokio::test]
     async fn a_full_outbox_loses_its_oldest_writes_and_counts_them() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         for write in [b"aaaa", b"bbbb", b"cccc", b"dddd"] {
             assert!(outbox.push(write));
         }
@@ -239,7 +266,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_write_larger_than_the_queue_waits_alone() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         outbox.push(b"small");
         outbox.push(&[7; 25]);
         assert_eq!(outbox.next().await.map(|write| write.len()), Some(25));
@@ -249,7 +276,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_closed_outbox_refuses_writes() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         outbox.close();
         assert!(!outbox.push(b"late"));
         assert_eq!(outbox.next().await, None);
@@ -257,10 +284,22 @@ mod tests {
 
     #[tokio::test]
     async fn a_waiting_reader_wakes_for_a_write_and_for_the_close() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         let (first, ()) = tokio::join!(outbox.next(), async { assert!(outbox.push(b"x")) });
         assert_eq!(first.as_deref(), Some(&b"x"[..]));
         let (second, ()) = tokio::join!(outbox.next(), async { outbox.close() });
         assert_eq!(second, None);
+    }
+
+    #[tokio::test]
+    async fn many_peers_share_what_may_wait_for_all() {
+        let peers = Arc::new(AtomicUsize::new(1));
+        let outbox = Outbox::new(Limit { own_bytes: 600, total_bytes: 1000, peers: Arc::clone(&peers) });
+        (0..20).for_each(|_| assert!(outbox.push(&[7; 100])));
+        assert_eq!(lock(&outbox.waiting).writes.bytes(), 600);
+        peers.store(5, Ordering::Relaxed);
+        outbox.push(&[7; 100]);
+        assert_eq!(lock(&outbox.waiting).writes.bytes(), 200);
+        assert!(outbox.is_crowded());
     }
 }

@@ -232,6 +232,10 @@ impl Autopilot {
         self.links.poll()
     }
 
+    pub(crate) fn lost_bytes(&self) -> u64 {
+        self.links.lost_bytes()
+    }
+
     pub(crate) fn is_armed(&self) -> bool {
         self.armed
     }
