@@ -36,6 +36,21 @@ pub(super) fn load(name: &str) -> Result<ScenarioFile, Failure> {
     Ok(ScenarioFile { scenario, folder })
 }
 
+/// The same for a boat that somebody else steers.
+///
+/// # Errors
+/// As [`load`], or the scenario gives orders of its own.
+pub(super) fn load_without_orders(name: &str) -> Result<ScenarioFile, Failure> {
+    let file = load(name)?;
+    match file.scenario.order() {
+        None => Ok(file),
+        Some(order) => Err(Failure::usage(format!(
+            "--scenario {name}: it {order}, but here the bridge is at the helm; run it with `helmlink sitl \
+             --scenario {name}`"
+        ))),
+    }
+}
+
 impl ScenarioFile {
     /// Puts the scenario's world over the options.
     pub(super) fn apply(&self, args: &mut WorldArgs) {

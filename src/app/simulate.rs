@@ -59,7 +59,7 @@ pub struct SimulateArgs {
 pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let named: Option<Scenario> = args.scenario.as_deref().and_then(|name| name.parse().ok());
     let file = match (&args.scenario, named) {
-        (Some(name), None) => Some(scenario::load(name)?),
+        (Some(name), None) => Some(scenario::load_without_orders(name)?),
         _ => None,
     };
     let mut world_args = args.world.clone();

@@ -43,7 +43,8 @@ pub struct SitlArgs {
     /// How many times faster than real time, or `max` for as fast as the machine goes
     #[arg(long, default_value = "1", value_name = "N|max", value_parser = parse_speedup)]
     pub speedup: f64,
-    /// A scenario: one that comes with helmlink (gps-loss, lost-rudder, rising-sea, tired-battery) or a file.
+    /// A scenario: one that comes with helmlink (bad-link, freshening-wind, gps-loss, lost-rudder, rising-sea,
+    /// tired-battery) or a file.
     /// Ends with exit code 1 when an expectation does not come true
     #[arg(long, value_name = "NAME|FILE")]
     pub scenario: Option<String>,
