@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use helmlink_sitl::Sitl;
 use helmlink_sitl::scenario::{Scenario, Verdict};
 
 use super::failure::Failure;
@@ -112,8 +111,8 @@ pub(super) fn json(verdicts: &[Verdict]) -> serde_json::Value {
 
 /// # Errors
 /// An expectation has not come true: the first such one.
-pub(super) fn check(sitl: &Sitl) -> Result<(), Failure> {
-    match sitl.verdicts().iter().find(|verdict| verdict.passed != Some(true)) {
+pub(super) fn check(verdicts: &[Verdict]) -> Result<(), Failure> {
+    match verdicts.iter().find(|verdict| verdict.passed != Some(true)) {
         None => Ok(()),
         Some(verdict) => {
             let seen = if verdict.seen.is_empty() { "it was never decided" } else { &verdict.seen };

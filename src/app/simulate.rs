@@ -95,7 +95,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let result = RunResult::new(&subject, outcome, wall_s);
     run.sitl_mut().end_scenario();
     let verdicts = run.sitl().verdicts().to_vec();
-    let judged = scenario::check(run.sitl());
+    let judged = scenario::check(&verdicts);
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {
         result::write_report(folder, &result, &world, recorder, &log)?;

@@ -71,9 +71,10 @@ pub struct SitlArgs {
     /// Start with time stopped; a client lets it pass (see docs/simulator.md)
     #[arg(long)]
     pub paused: bool,
-    /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS)
+    /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS). Faults and scenarios
+    /// are then those of hull and sea alone
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:9002",
-          conflicts_with_all = ["signing_key", "scenario", "fault", "params", "param", "mission", "duration", "paused", "arm"])]
+          conflicts_with_all = ["signing_key", "params", "param", "mission", "duration", "paused", "arm"])]
     pub ardupilot_json: Option<std::net::SocketAddr>,
     /// A mission that the boat has on board from the start
     #[arg(long, value_name = "FILE")]
@@ -111,8 +112,15 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     if let Some(address) = args.ardupilot_json {
+        let mut physics = ardupilot_json::physics(&world);
+        for fault in &args.fault {
+            physics.schedule(*fault).map_err(Failure::usage)?;
+        }
+        if let Some(file) = scenario {
+            physics.play(file.scenario).map_err(Failure::usage)?;
+        }
         let home = home(&world, None);
-        return runtime.block_on(ardupilot_json::serve(address, &world, home, args.common.json));
+        return runtime.block_on(ardupilot_json::serve(address, physics, &world, home, args.common.json));
     }
     let of_scenario = scenario.as_ref().and_then(ScenarioFile::mission);
     let path = args.mission.clone().or(of_scenario);
@@ -285,7 +293,7 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
     if ends {
         report(args, &boat);
     }
-    scenario::check(&boat.sitl)
+    scenario::check(boat.sitl.verdicts())
 }
 
 /// Says how a run with an end went.

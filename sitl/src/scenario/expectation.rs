@@ -206,6 +206,20 @@ impl Expectation {
         }
     }
 
+    /// In words, if what it looks at is not the boat's motion.
+    pub(super) fn looks_at_the_autopilot(&self) -> Option<String> {
+        let of_the_boat = matches!(
+            self.quantity,
+            Quantity::Armed
+                | Quantity::North
+                | Quantity::East
+                | Quantity::DistanceHome
+                | Quantity::Speed
+                | Quantity::Heading
+        );
+        (!of_the_boat).then(|| format!("looks at {}", self.quantity))
+    }
+
     fn holds(&self, seen: &Observation) -> bool {
         match (&self.test, self.quantity.of(seen)) {
             (Test::Flag(wanted), Value::Flag(is)) => *wanted == is,

@@ -17,7 +17,7 @@ use crate::physics::sea::{Current, Waves, Wind};
 
 pub use expectation::{Expectation, Observation, Verdict};
 pub use file::ScenarioError;
-pub(crate) use play::Play;
+pub(crate) use play::{Play, Stage};
 
 /// A scenario, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ struct Event {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Happening {
+pub(crate) enum Happening {
     Fail(Fault),
     Repair(Fault),
     Sea(SeaState),
@@ -122,6 +122,13 @@ impl Scenario {
             };
             Some(format!("{order} at {} s", at.as_secs_f64()))
         })
+    }
+
+    /// What in it only an autopilot of our own can do or tell, in words.
+    pub(crate) fn of_the_autopilot(&self) -> Option<String> {
+        let parameter = || self.parameters().next().map(|name| format!("sets the parameter {name}"));
+        let looks = || self.expectations.iter().find_map(Expectation::looks_at_the_autopilot);
+        self.order().or_else(parameter).or_else(looks)
     }
 
     /// Every fault that it injects.
