@@ -169,17 +169,17 @@ fn attack(address: &str, number: usize, over: &AtomicBool) {
 
 /// Asks for more than anybody would and never reads a byte.
 fn deaf(address: &str, _number: usize, over: &AtomicBool) {
-    let everything = REQUEST_DATA_STREAM_DATA {
+    let everything = Message::REQUEST_DATA_STREAM(REQUEST_DATA_STREAM_DATA {
         req_message_rate: 40,
         start_stop: 1,
         target_system: 1,
         target_component: 1,
         ..REQUEST_DATA_STREAM_DATA::DEFAULT
-    };
+    });
     let mut encoder = Encoder::new();
     while !over.load(Ordering::Relaxed) {
         let Ok(mut stream) = TcpStream::connect(address) else { return };
-        let mut message = Message::REQUEST_DATA_STREAM(everything);
+        let mut message = everything.clone();
         while !over.load(Ordering::Relaxed) {
             let mut bytes = Vec::new();
             encoder.encode(Identity { system: 255, component: 190 }, &message, &mut bytes);
