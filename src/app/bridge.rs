@@ -10,8 +10,8 @@ mod service_manager;
 mod signing;
 
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::path::Path;
+use std::time::Duration;
 
 use clap::Args;
 use helmlink_wire::Identity;
@@ -29,8 +29,7 @@ use super::guarded::Guarded;
 pub(super) use super::interrupt::interrupted;
 use super::mission;
 use super::ranges::{self, number_in};
-use super::recorder::{RecordLimits, Recorder};
-use super::report;
+use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
@@ -92,15 +91,9 @@ pub struct BridgeArgs {
     /// Compute and log what would be commanded, but send nothing at all
     #[arg(long)]
     pub shadow: bool,
-    /// Write everything received, sent and thought to a telemetry log in this folder, and a report at the end
-    #[arg(long, value_name = "DIR")]
-    pub record: Option<PathBuf>,
-    /// Begin a new file of the log when one would grow larger than this, MB
-    #[arg(long, default_value_t = 256, value_name = "MB")]
-    pub record_file_mb: u64,
-    /// Remove the oldest logs in the folder when all of them together grow larger than this, MB
-    #[arg(long, default_value_t = 8192, value_name = "MB")]
-    pub record_total_mb: u64,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub recording: RecordArgs,
     /// The control loop's rate, Hz
     #[arg(long, default_value_t = 25.0, value_name = "HZ", value_parser = number_in(RATES_HZ, "Hz"))]
     pub rate: f64,
@@ -332,15 +325,10 @@ fn say_events(edge: &mut Live) {
 
 /// Begins to record where the user wants that.
 fn start_recording(args: &BridgeArgs, bridge: &mut Bridge) -> Result<Option<Recorder>, Failure> {
-    const MEGABYTE: u64 = 1_000_000;
-    let Some(folder) = &args.record else { return Ok(None) };
-    let limits = RecordLimits {
-        file_bytes: args.record_file_mb.max(1).saturating_mul(MEGABYTE),
-        total_bytes: args.record_total_mb.max(1).saturating_mul(MEGABYTE),
-    };
-    let start_us = unix_time_us();
-    bridge.keep_journal(start_us);
-    Recorder::start(folder, limits, start_us, bridge.journal_header()).map(Some)
+    args.recording.start(|start_us| {
+        bridge.keep_journal(start_us);
+        bridge.journal_header()
+    })
 }
 
 /// Hands what has been recorded to the disk.
@@ -358,14 +346,5 @@ fn finish_recording(edge: &mut Live, recorder: Option<Recorder>) {
     let Some(mut recorder) = recorder else { return };
     recorder.write(edge.party.take_journal());
     recorder.write(edge.party.finish_journal());
-    let parts = recorder.finish();
-    let Some(folder) = parts.first().map(|part| part.with_extension("report")) else { return };
-    match report::make(&parts, &folder) {
-        Ok(()) => tracing::info!("log {}, report {}", parts[0].display(), folder.display()),
-        Err(failure) => tracing::warn!("no report: {failure}"),
-    }
-}
-
-pub(super) fn unix_time_us() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64)
+    recorder.finish_with_report();
 }

@@ -29,6 +29,8 @@ use self::download::DownloadArgs;
 use self::from_track::FromTrackArgs;
 use self::show::ShowArgs;
 use self::upload::UploadArgs;
+pub(super) use self::upload::send_mission;
+pub(super) use self::vehicle::VehicleArgs;
 use super::cli::Common;
 use super::failure::Failure;
 use crate::control::Boat;

@@ -22,7 +22,7 @@ fn limit(failsafe: Failsafe) -> Option<f64> {
 }
 
 /// Time from the fault to the bridge's decision, at most, seconds.
-fn decision_s(failsafe: Failsafe) -> f64 {
+pub(super) fn decision_s(failsafe: Failsafe) -> f64 {
     let limit_s = match failsafe {
         Failsafe::CrossTrack | Failsafe::PositionJump | Failsafe::Fence | Failsafe::Battery => 0.0,
         _ => limit(failsafe).unwrap_or(failsafe.definition().limit),
@@ -47,7 +47,7 @@ fn tampered(change: impl FnMut(&mut Message) -> bool + 'static) -> Option<Tamper
 }
 
 /// Makes it go wrong.
-fn break_it(rig: &mut Rig, failsafe: Failsafe) {
+pub(super) fn break_it(rig: &mut Rig, failsafe: Failsafe) {
     match failsafe {
         Failsafe::LinkLost => rig.cut = true,
         Failsafe::Rebooted => rig.sitl.inject(Fault::Reboot).unwrap(),
@@ -120,8 +120,9 @@ fn move_by(message: &mut Message, north_e7: i32, east_e7: i32) -> bool {
     true
 }
 
-fn rig(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -> Rig {
-    let mut rig = Rig::new(Setup::new(output, receiver), |settings| {
+/// A boat under way, ready for this fault.
+pub(super) fn rig(failsafe: Failsafe, action: Action, setup: Setup) -> Rig {
+    let mut rig = Rig::new(setup, |settings| {
         let rule = settings.failsafes.rule_mut(failsafe);
         (rule.limit, rule.action) = (limit(failsafe), Some(action));
         if failsafe == Failsafe::Saturated {
@@ -147,7 +148,7 @@ fn rig(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -
 
 /// What went otherwise than it should.
 fn check(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -> Result<(), String> {
-    let mut rig = rig(failsafe, action, output, receiver);
+    let mut rig = rig(failsafe, action, Setup::new(output, receiver));
     let broken_at = rig.now;
     break_it(&mut rig, failsafe);
     if action == Action::Warn {

@@ -42,6 +42,7 @@ pub(super) struct Rig {
     pub(super) sitl: Sitl,
     pub(super) bridge: Option<Bridge>,
     pub(super) settings: BridgeSettings,
+    recorded: bool,
     pub(super) now: Duration,
     /// Nothing gets through between bridge and boat.
     pub(super) cut: bool,
@@ -70,6 +71,8 @@ pub(super) struct Setup {
     pub(super) hull: &'static str,
     pub(super) waypoints: Vec<(f64, f64)>,
     pub(super) parameters: Vec<(String, f32)>,
+    /// The bridge keeps a journal.
+    pub(super) recorded: bool,
     /// Of everything random in the simulator.
     pub(super) seed: u64,
 }
@@ -79,7 +82,11 @@ impl Setup {
         // Without a receiver the boat can only be armed with the throttle failsafe off, as a real one.
         let parameters = if receiver { vec![] } else { vec![("FS_THR_ENABLE".to_owned(), 0.0)] };
         let waypoints = vec![(20.0, 0.0), (600.0, 0.0)];
-        Self { output, receiver, hull: "otter", waypoints, parameters, seed: 1 }
+        Self { output, receiver, hull: "otter", waypoints, parameters, recorded: false, seed: 1 }
+    }
+
+    pub(super) fn recorded(output: OutputKind) -> Self {
+        Self { recorded: true, ..Self::new(output, true) }
     }
 }
 
@@ -113,6 +120,7 @@ impl Rig {
             sitl,
             bridge: None,
             settings,
+            recorded: setup.recorded,
             now: Duration::ZERO,
             cut: false,
             tamper: None,
@@ -135,6 +143,9 @@ impl Rig {
     /// Starts a bridge, as after a restart of the companion.
     pub(super) fn start_bridge(&mut self) {
         let mut bridge = Bridge::new(self.settings.clone());
+        if self.recorded {
+            bridge.keep_journal(0);
+        }
         bridge.link_up(self.now, TO_BRIDGE);
         self.bridge = Some(bridge);
     }
