@@ -207,7 +207,7 @@ fn assert_well_formed(page: &str) {
             assert_eq!(name, helped, "help comes first");
             let is_total = name.ends_with("_total");
             assert_eq!(kind, if is_total { "counter" } else { "gauge" }, "{line}");
-            assert!(!seen.iter().any(|known: &&str| *known == name), "{line}: twice");
+            assert!(!seen.contains(&name), "{line}: twice");
             seen.push(name);
             family = name;
         } else {
