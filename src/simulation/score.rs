@@ -115,7 +115,11 @@ impl Scorer {
         if self.seconds_on_leg(&sample) > SETTLED_AFTER_S {
             self.settled.push(error_m);
         }
-        if self.waypoints.iter().all(|waypoint| (*waypoint - sample.position).norm() > STRAIGHT_BEYOND_M) {
+        let is_beyond = |waypoint: &NorthEast| {
+            let way = *waypoint - sample.position;
+            way.dot(way) > STRAIGHT_BEYOND_M * STRAIGHT_BEYOND_M
+        };
+        if self.waypoints.iter().all(is_beyond) {
             self.straight.push(error_m);
         }
         self.path.push(sample.path_error_m);

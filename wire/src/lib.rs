@@ -33,6 +33,7 @@
 //! ```
 
 mod candidate;
+mod checksum;
 pub mod dialect;
 pub mod encoder;
 pub mod enums;
