@@ -36,6 +36,12 @@ pub struct Score {
     pub cross_track_straight_m: Option<Spread>,
     /// Distance to the smoothed path that the controller was given.
     pub path_error_m: Option<Spread>,
+    /// The same, where that path is straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_error_straight_m: Option<Spread>,
+    /// How far the flight controller's position is from the boat's own, waves included, across the path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub navigation_error_m: Option<Spread>,
     /// Root mean square of the difference between the speed over ground and the speed wanted, m/s.
     pub speed_error_mps: SpeedError,
     /// Total variation of the steering command (−1…1) per minute.
@@ -64,6 +70,11 @@ pub struct Sample {
     pub leg: usize,
     /// Distance to the smoothed path.
     pub path_error_m: f64,
+    /// That path is known to be straight here.
+    pub path_is_straight: bool,
+    /// Distance across the path from the boat, its wave motion included, to where the flight controller has it; known
+    /// in simulation only.
+    pub navigation_error_m: Option<f64>,
     /// The speed that the mission wants here.
     pub wanted_speed_mps: f64,
     /// The steering command in force, −1…1.
@@ -87,6 +98,8 @@ pub struct Scorer {
     settled: Vec<f64>,
     straight: Vec<f64>,
     path: Vec<f64>,
+    path_straight: Vec<f64>,
+    navigation: Vec<f64>,
 }
 
 impl Scorer {
@@ -105,6 +118,8 @@ impl Scorer {
             settled: Vec::new(),
             straight: Vec::new(),
             path: Vec::new(),
+            path_straight: Vec::new(),
+            navigation: Vec::new(),
         }
     }
 
@@ -123,6 +138,10 @@ impl Scorer {
             self.straight.push(error_m);
         }
         self.path.push(sample.path_error_m);
+        if sample.path_is_straight {
+            self.path_straight.push(sample.path_error_m);
+        }
+        self.navigation.extend(sample.navigation_error_m);
         self.squared_effort += sample.throttle.powi(2) + sample.steering.powi(2);
         self.squared_speed_error += (sample.speed_mps - sample.wanted_speed_mps).powi(2);
         if let Some(last) = self.last {
@@ -147,6 +166,8 @@ impl Scorer {
             cross_track_settled_m: spread(&self.settled),
             cross_track_straight_m: spread(&self.straight),
             path_error_m: spread(&self.path),
+            path_error_straight_m: spread(&self.path_straight),
+            navigation_error_m: spread(&self.navigation),
             speed_error_mps: SpeedError { rms: (self.squared_speed_error / samples).sqrt() },
             steering_variation_per_min: self.steering_variation / (duration_s / 60.0).max(1.0 / 60.0),
             effort: self.squared_effort / samples,
@@ -222,6 +243,8 @@ mod tests {
             speed_mps: 1.0,
             leg,
             path_error_m: 0.0,
+            path_is_straight: true,
+            navigation_error_m: None,
             wanted_speed_mps: 1.5,
             steering,
             throttle: 0.5,
