@@ -176,10 +176,10 @@ fn options_that_make_no_sense() {
     let sitl =
         |option: &'static str, value: &'static str| ["sitl", "--listen", "tcpin:127.0.0.1:0", option, value];
     for (arguments, words) in [
-        (bridge("--rate", "1000"), &["--rate 1000", "2 to 50 Hz"][..]),
+        (bridge("--rate", "1000"), &["--rate", "1000", "2 to 50 Hz"][..]),
         (bridge("--rate", "nan"), &["--rate", "2 to 50 Hz"]),
         (bridge("--boat", "tanker"), &["tanker", "otter"]),
-        (bridge("--speed", "99"), &["--speed", "0.1"]),
+        (bridge("--speed", "99"), &["--speed", "0.1", "for boat otter"]),
         (bridge("--speed", "nan"), &["--speed", "0.1"]),
         (bridge("--output", "sails"), &["sails", "rc-override"]),
         (bridge("--end-mode", "SLEEP"), &["SLEEP", "HOLD"]),

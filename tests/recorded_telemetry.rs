@@ -17,6 +17,7 @@ const BOAT: Identity = Identity { system: 1, component: 1 };
 
 /// What the telemetry layer makes of one message of the boat's.
 struct Step {
+    now: Duration,
     update: Update,
     message: Message,
 }
@@ -33,7 +34,7 @@ fn play(mut look: impl FnMut(&Telemetry, &Step)) -> usize {
             let message = frame.decode().unwrap();
             if frame.identity() == BOAT {
                 let update = telemetry.on_message(now, &message);
-                look(&telemetry, &Step { update, message });
+                look(&telemetry, &Step { now, update, message });
             }
         }
     }
@@ -123,7 +124,7 @@ fn the_estimator_is_believed_only_when_it_knows_the_position() {
     play(|telemetry, step| {
         if let Message::EKF_STATUS_REPORT(report) = &step.message {
             count += 1;
-            let ready = telemetry.estimator_is_ready();
+            let ready = telemetry.estimator_is_ready(step.now);
             assert_eq!(ready, report.flags == 831, "flags {}", report.flags);
             first_ready = first_ready.or(ready.then_some(count));
             armable_before |= !ready && report.flags == 167;

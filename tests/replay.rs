@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+mod support;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -142,6 +144,67 @@ fn a_recorded_track_is_driven_again() {
     assert!(result["cross_track_straight_m"]["rms"].as_f64() < Some(0.5), "{result}");
 }
 
+/// A boat in the simulator that records what it hears and says, and its address.
+#[cfg(unix)]
+fn recorded_boat(folder: &Folder) -> (support::Helmlink, String) {
+    let of_boat = folder.file("boat");
+    let (boat, address) = support::Helmlink::sitl(
+        "tcpin",
+        &["--home", "63.4389,10.399,0", "--speedup", "4", "--record", &of_boat],
+    );
+    (boat, format!("tcp:{address}"))
+}
+
+/// What the boat was told to do with its motors: the first parameters of all commands to arm.
+#[cfg(unix)]
+fn arm_commands(folder: &Folder) -> Vec<f32> {
+    let entries = std::fs::read_dir(folder.file("boat")).unwrap().map(|entry| entry.unwrap().path());
+    let mut logs = entries.filter(|path| path.extension().is_some_and(|extension| extension == "tlog"));
+    let log = std::fs::read(logs.next().unwrap()).unwrap();
+    let arming = helmlink_wire::tlog::records(&log).filter_map(|record| match record.frame.decode() {
+        Ok(helmlink_wire::Message::COMMAND_LONG(command)) if command.command == 400 => Some(command.param1),
+        _ => None,
+    });
+    arming.collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_recorded_track_is_driven_again_on_a_boat_that_is_armed_only_when_told() {
+    let folder = Folder::new("drive-boat");
+    let mission = short_mission(&folder);
+    let run = helmlink(&folder, &["simulate", &mission, "--report", "run", "--json", "-q"]);
+    assert!(run.status.success(), "{}", complaint(&run));
+    let (boat, url) = recorded_boat(&folder);
+    let log = folder.file("run/log.tlog");
+    let drive = ["replay", &log, "--drive", "--to", &url];
+    let refused = helmlink(&folder, &drive);
+    assert_eq!(refused.status.code(), Some(2), "{}", complaint(&refused));
+    assert!(complaint(&refused).contains("replace the mission of the boat"), "{}", complaint(&refused));
+
+    let patient = support::Helmlink::start(&[&drive[..], &["--yes-send"]].concat());
+    patient.wait_for_line("on board and compared");
+    patient.wait_for_line("arm the boat");
+    patient.wait_for_line("ready, not driving");
+    patient.interrupt();
+    patient.into_process().succeed();
+    boat.interrupt();
+    boat.into_process().succeed();
+    assert_eq!(arm_commands(&folder), [0.0_f32; 0], "nobody has armed it");
+
+    std::fs::remove_dir_all(folder.file("boat")).unwrap();
+    let (boat, url) = recorded_boat(&folder);
+    let told = ["replay", &log, "--drive", "--to", &url, "--yes-send", "--arm"];
+    let printed = support::Helmlink::start(&told).into_process().succeed();
+    assert!(printed.contains("mission complete"), "{printed}");
+    boat.interrupt();
+    boat.into_process().succeed();
+    assert_eq!(arm_commands(&folder).first(), Some(&1.0));
+    let driven = helmlink(&folder, &["replay", "boat", "--mission", &mission, "--json", "-q", "--no-report"]);
+    let result = json(&driven);
+    assert!(result["recorded"]["cross_track_m"]["rms"].as_f64() < Some(3.0), "{result}");
+}
+
 #[test]
 fn what_cannot_be_replayed_is_explained() {
     let folder = Folder::new("faults");
@@ -154,6 +217,8 @@ fn what_cannot_be_replayed_is_explained() {
         (vec!["replay", ARDUROVER, "--boat", "raft"], 2, "no boat called"),
         (vec!["replay", ARDUROVER, "--out", "x.xlsx"], 2, ".csv"),
         (vec!["replay", ARDUROVER, "--to", "udpout:127.0.0.1:9"], 2, "--yes-send"),
+        (vec!["replay", ARDUROVER, "--drive", "--to", "udpout:127.0.0.1:9"], 2, "--yes-send"),
+        (vec!["replay", ARDUROVER, "--arm"], 2, "--drive"),
     ] {
         let run = helmlink(&folder, &arguments);
         assert_eq!(run.status.code(), Some(code), "{arguments:?}: {}", complaint(&run));

@@ -46,6 +46,11 @@ pub(crate) struct Boat {
 /// When it came, from whom, and what it says.
 type Datagram = (Instant, SocketAddr, Vec<u8>);
 
+/// Tells the echo that it is over.
+pub(crate) const GOODBYE: &[u8] = b"goodbye";
+/// Asks the echo what it has cost so far.
+pub(crate) const HOW_MUCH: &[u8] = b"how much";
+
 /// Whether a datagram is a GLOBAL_POSITION_INT.
 pub(crate) fn is_position(datagram: &[u8]) -> bool {
     datagram.get(7..10) == Some(&GLOBAL_POSITION_INT_DATA::ID.to_le_bytes()[..3])
@@ -101,10 +106,10 @@ impl Boat {
         Ok(std::mem::take(&mut self.latencies))
     }
 
-    /// An empty datagram, by which the echo knows that it is over.
-    pub(crate) fn say_goodbye(&self) -> Result<(), Box<dyn Error>> {
+    /// Something that is no frame, for the echo.
+    pub(crate) fn say(&self, word: &[u8]) -> Result<(), Box<dyn Error>> {
         if let Some(bridge) = self.bridge {
-            self.socket.send_to(&[], bridge)?;
+            self.socket.send_to(word, bridge)?;
         }
         Ok(())
     }
@@ -153,7 +158,7 @@ impl Boat {
 
     fn answered(&mut self, now: Instant) {
         if let Some(then) = self.asked.take() {
-            self.latencies.answer(now - then);
+            self.latencies.answer(then, now);
         }
     }
 

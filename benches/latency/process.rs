@@ -6,8 +6,46 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// The system counts processor time in units of 10 ms (USER_HZ, the same on every Linux).
-const CPU_UNIT: Duration = Duration::from_millis(10);
+/// What a thread or a process has cost so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Cost {
+    /// Processor time, user and system together.
+    pub(crate) cpu: Duration,
+    /// Times that it went to sleep to wait for something.
+    pub(crate) waits: u64,
+}
+
+impl Cost {
+    /// Of the calling thread.
+    pub(crate) fn of_this_thread() -> Result<Self, Box<dyn Error>> {
+        Self::read(Path::new("/proc/thread-self"))
+    }
+
+    /// Of the thread in this folder under `/proc`.
+    fn read(folder: &Path) -> Result<Self, Box<dyn Error>> {
+        // Nanoseconds on a processor, nanoseconds waiting for one, turns.
+        let times = fs::read_to_string(folder.join("schedstat"))?;
+        let nanos = times.split_whitespace().next().ok_or("nothing in schedstat")?.parse()?;
+        let waits = number(&fs::read_to_string(folder.join("status"))?, "voluntary_ctxt_switches:")?;
+        Ok(Self { cpu: Duration::from_nanos(nanos), waits })
+    }
+
+    /// What has come on top since `before`.
+    pub(crate) fn since(self, before: Self) -> Self {
+        Self { cpu: self.cpu - before.cpu, waits: self.waits - before.waits }
+    }
+
+    /// Both together.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self { cpu: self.cpu + other.cpu, waits: self.waits + other.waits }
+    }
+}
+
+/// The number behind a key in a status file.
+fn number(status: &str, key: &str) -> Result<u64, Box<dyn Error>> {
+    let value = status.lines().find_map(|line| line.strip_prefix(key)).ok_or_else(|| format!("no {key}"))?;
+    Ok(value.split_whitespace().next().ok_or_else(|| format!("no number behind {key}"))?.parse()?)
+}
 
 /// A running program of ours.
 pub(crate) struct Bridge {
@@ -39,18 +77,18 @@ impl Bridge {
         Ok(Self { child: command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).spawn()? })
     }
 
-    /// Processor time used so far, and resident memory now in KiB.
-    pub(crate) fn usage(&self) -> Result<(Duration, u32), Box<dyn Error>> {
-        let folder = format!("/proc/{}", self.child.id());
-        let stat = fs::read_to_string(format!("{folder}/stat"))?;
-        // Behind the name, which is in brackets: state, 10 other fields, user and system time.
-        let behind_name = stat.rsplit_once(')').ok_or("no name in /proc/PID/stat")?.1;
-        let fields: Vec<&str> = behind_name.split_whitespace().collect();
-        let units = fields[11].parse::<u32>()? + fields[12].parse::<u32>()?;
-        let status = fs::read_to_string(format!("{folder}/status"))?;
-        let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).ok_or("no VmRSS")?;
-        let kib = resident.split_whitespace().next().ok_or("no number behind VmRSS")?.parse()?;
-        Ok((CPU_UNIT * units, kib))
+    /// What all its threads have cost so far.
+    pub(crate) fn cost(&self) -> Result<Cost, Box<dyn Error>> {
+        let mut all = Cost::default();
+        for thread in fs::read_dir(format!("/proc/{}/task", self.child.id()))? {
+            all = all.and(Cost::read(&thread?.path())?);
+        }
+        Ok(all)
+    }
+
+    /// Resident memory now, KiB.
+    pub(crate) fn resident_kib(&self) -> Result<u64, Box<dyn Error>> {
+        number(&fs::read_to_string(format!("/proc/{}/status", self.child.id()))?, "VmRSS:")
     }
 }
 

@@ -61,7 +61,7 @@ fn simulated(mission: &str) -> Result<(), Box<dyn Error>> {
 struct Watch<'a> {
     bridge: &'a Bridge,
     start: Instant,
-    resident_kib: Vec<u32>,
+    resident_kib: Vec<u64>,
 }
 
 impl<'a> Watch<'a> {
@@ -70,7 +70,7 @@ impl<'a> Watch<'a> {
     }
 
     fn look(&mut self) -> Result<(), Box<dyn Error>> {
-        let (cpu, kib) = self.bridge.usage()?;
+        let (cpu, kib) = (self.bridge.cost()?.cpu, self.bridge.resident_kib()?);
         println!(
             "{:>6.0} s   resident {kib} KiB   CPU {:.1} s",
             self.start.elapsed().as_secs_f64(),
@@ -83,7 +83,7 @@ impl<'a> Watch<'a> {
     /// The first look already counts as warmed up.
     fn judge(&self) {
         if let (Some(first), Some(last)) = (self.resident_kib.first(), self.resident_kib.last()) {
-            println!("growth from the first look to the last: {} KiB", i64::from(*last) - i64::from(*first));
+            println!("growth from the first look to the last: {} KiB", *last as i64 - *first as i64);
         }
     }
 }

@@ -5,30 +5,34 @@ mod lateness;
 mod links;
 mod memory;
 mod operation;
+mod process;
 mod service_manager;
 mod signing;
 
-use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::ops::RangeInclusive;
+use std::path::Path;
+use std::time::Duration;
 
 use clap::Args;
 use helmlink_wire::Identity;
+use tokio_util::task::AbortOnDropHandle;
 
 use self::links::LinkArgs;
 use self::memory::Memory;
 use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
+use super::boat;
 use super::cli::Common;
 use super::console;
-use super::edge::{Edge, Seen};
+use super::edge::{self, Edge, Seen, unless_it_panics};
 use super::failure::Failure;
 use super::guarded::Guarded;
+pub(super) use super::interrupt::interrupted;
 use super::mission;
-use super::recorder::{RecordLimits, Recorder};
-use super::report;
+use super::ranges::{self, number_in};
+use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
-use crate::control::Boat;
 use crate::link::LinkUrl;
 use crate::pilot::failsafe::{FailsafeOption, FailsafeSettings};
 use crate::pilot::supervisor::{Request, State};
@@ -60,11 +64,11 @@ pub struct BridgeArgs {
         value_name = "rc-override|manual-control|guided|guided-velocity"
     )]
     pub output: OutputKind,
-    /// The boat that the controller is tuned for
-    #[arg(long, default_value = "otter")]
+    /// The boat that the controller is tuned for: a name, or a boat file as `helmlink boat` writes it
+    #[arg(long, default_value = "otter", value_parser = ranges::boat)]
     pub boat: String,
     /// Speed over ground, m/s; the mission's own, or the vehicle's WP_SPEED, if not given
-    #[arg(long, value_name = "M/S")]
+    #[arg(long, value_name = "M/S", value_parser = number_in(SPEEDS_MPS, "m/s"))]
     pub speed: Option<f64>,
     /// Drive as soon as everything is ready and the boat is armed
     #[arg(long)]
@@ -87,23 +91,22 @@ pub struct BridgeArgs {
     /// Compute and log what would be commanded, but send nothing at all
     #[arg(long)]
     pub shadow: bool,
-    /// Write everything received, sent and thought to a telemetry log in this folder, and a report at the end
-    #[arg(long, value_name = "DIR")]
-    pub record: Option<PathBuf>,
-    /// Begin a new file of the log when one would grow larger than this, MB
-    #[arg(long, default_value_t = 256, value_name = "MB")]
-    pub record_file_mb: u64,
-    /// Remove the oldest logs in the folder when all of them together grow larger than this, MB
-    #[arg(long, default_value_t = 8192, value_name = "MB")]
-    pub record_total_mb: u64,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub recording: RecordArgs,
     /// The control loop's rate, Hz
-    #[arg(long, default_value_t = 25.0, value_name = "HZ")]
+    #[arg(long, default_value_t = 25.0, value_name = "HZ", value_parser = number_in(RATES_HZ, "Hz"))]
     pub rate: f64,
     /// The ground station's system id that overrides are sent with: the flight controller's SYSID_MYGCS
     #[arg(long, default_value_t = 255, value_name = "ID")]
     pub gcs_system: u8,
     /// Give up when no heartbeat has come for this many seconds after the start
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    #[arg(
+        long,
+        default_value_t = 10.0,
+        value_name = "S",
+        value_parser = number_in(0.0..=LONGEST_WAIT_S, "seconds; 0 waits for ever")
+    )]
     pub wait: f64,
     /// End when the mission is complete
     #[arg(long)]
@@ -127,7 +130,11 @@ const STOPPING: Duration = Duration::from_secs(5);
 /// Longest wait for a heartbeat that is not for ever, seconds: a day.
 const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
-const RATES_HZ: (f64, f64) = (2.0, 50.0);
+const RATES_HZ: RangeInclusive<f64> = 2.0..=50.0;
+/// Speeds of any boat, m/s; each has its own limit below that.
+const SPEEDS_MPS: RangeInclusive<f64> = LEAST_SPEED_MPS..=100.0;
+/// Nobody drives slower than this, m/s.
+const LEAST_SPEED_MPS: f64 = 0.1;
 
 pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     let url = args.connect.clone().ok_or_else(|| {
@@ -136,9 +143,7 @@ pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     let mut settings = settings(args)?;
     let memory = remember(args, &url, &mut settings)?;
     let signing = args.links.signing(&args.state)?;
-    let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
-    runtime.block_on(drive(args, &url, settings, memory, signing))
+    edge::block_on_task(drive(args.clone(), url, settings, memory, signing))?
 }
 
 /// What outlives a run, put into the settings. A shadow keeps nothing.
@@ -160,20 +165,8 @@ fn remember(
 
 /// The settings that the options ask for.
 fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
-    let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
-    if !(RATES_HZ.0..=RATES_HZ.1).contains(&args.rate) {
-        return Err(Failure::usage(format!(
-            "--rate {}: choose {} to {} Hz",
-            args.rate, RATES_HZ.0, RATES_HZ.1
-        )));
-    }
-    if !(0.0..=LONGEST_WAIT_S).contains(&args.wait) {
-        return Err(Failure::usage(format!(
-            "--wait {}: give 0 (for ever) to {LONGEST_WAIT_S} seconds",
-            args.wait
-        )));
-    }
-    let speed_range = 0.1..=boat.limits.speed_max_mps;
+    let boat = boat::load(&args.boat)?;
+    let speed_range = LEAST_SPEED_MPS..=boat.limits.speed_max_mps;
     if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
         return Err(Failure::usage(format!(
             "--speed must lie between {} and {} m/s for boat {}",
@@ -212,8 +205,8 @@ fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
 }
 
 async fn drive(
-    args: &BridgeArgs,
-    url: &LinkUrl,
+    args: BridgeArgs,
+    url: LinkUrl,
     settings: BridgeSettings,
     mut memory: Option<Memory>,
     signing: Option<SigningStore>,
@@ -221,30 +214,44 @@ async fn drive(
     let interval = Duration::from_secs_f64(settings.control_interval_s);
     let mut operation = Operation::start(&args.operation, interval).await?;
     let mut bridge = Bridge::new(settings);
-    let mut log = start_recording(args, &mut bridge)?;
-    let (guarded, hub) = args.links.open(url, bridge, signing.as_ref()).await?;
+    let mut log = start_recording(&args, &mut bridge)?;
+    let (guarded, hub) = args.links.open(&url, bridge, signing.as_ref()).await?;
     operation.keep(signing);
     let mut edge = Edge::new(guarded, hub, TICK);
     operation.ready();
-    let mut watch = Watch::new(args);
-    let mut interrupt = std::pin::pin!(interrupted());
+    let mut watch = Watch::new(&args);
+    let interrupt = AbortOnDropHandle::new(tokio::spawn(interrupted()));
     let ending = loop {
-        tokio::select! {
-            biased;
-            () = &mut interrupt => break Ok(()),
-            seen = edge.turn() => watch.look(&edge, seen),
-        }
+        let Some(seen) = unless_it_panics(edge.turn()).await else {
+            edge.party.abandon();
+            break Err(Failure::failed("an error in helmlink itself, told above: the boat has been let go"));
+        };
+        watch.look(seen);
         say_events(&mut edge);
+        operation.after_turn(&edge);
+        // What follows has time until the next tick, and need not be done for every datagram.
+        if !edge.has_ticked() {
+            continue;
+        }
         write_log(&mut edge, &mut log);
         if let Some(memory) = &mut memory {
             memory.keep(edge.now(), &mut edge.party);
         }
-        operation.after_turn(&edge);
-        if let Some(ending) = watch.ending(&edge, url) {
+        operation.after_tick(&edge);
+        let now = edge.now();
+        if let Some(health) = operation.health(now) {
+            edge.party.set_health(now, health);
+        }
+        if interrupt.is_finished() {
+            break Ok(());
+        }
+        if let Some(ending) = watch.ending(&edge, &url) {
             break ending;
         }
     };
-    stop(&mut edge).await;
+    if !edge.party.is_abandoned() {
+        stop(&mut edge).await;
+    }
     if let Some(memory) = &mut memory {
         memory.keep(edge.now(), &mut edge.party);
     }
@@ -270,16 +277,16 @@ impl Watch {
         Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
     }
 
-    fn look(&mut self, edge: &Live, seen: Option<Seen>) {
+    fn look(&self, seen: Option<Seen>) {
         match seen {
             Some(Seen::Up(peer)) => tracing::info!("link up: {peer}"),
             Some(Seen::Down(reason)) => tracing::warn!("link down: {reason}"),
             None => {}
         }
-        self.found = self.found.or(edge.party.status().vehicle);
     }
 
-    fn ending(&self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
+    fn ending(&mut self, edge: &Live, url: &LinkUrl) -> Option<Result<(), Failure>> {
+        self.found = self.found.or(edge.party.status().vehicle);
         if let Some(refusal) = edge.party.refusal() {
             return Some(Err(Failure::usage(refusal)));
         }
@@ -318,15 +325,10 @@ fn say_events(edge: &mut Live) {
 
 /// Begins to record where the user wants that.
 fn start_recording(args: &BridgeArgs, bridge: &mut Bridge) -> Result<Option<Recorder>, Failure> {
-    const MEGABYTE: u64 = 1_000_000;
-    let Some(folder) = &args.record else { return Ok(None) };
-    let limits = RecordLimits {
-        file_bytes: args.record_file_mb.max(1).saturating_mul(MEGABYTE),
-        total_bytes: args.record_total_mb.max(1).saturating_mul(MEGABYTE),
-    };
-    let start_us = unix_time_us();
-    bridge.keep_journal(start_us);
-    Recorder::start(folder, limits, start_us, bridge.journal_header()).map(Some)
+    args.recording.start(|start_us| {
+        bridge.keep_journal(start_us);
+        bridge.journal_header()
+    })
 }
 
 /// Hands what has been recorded to the disk.
@@ -344,30 +346,5 @@ fn finish_recording(edge: &mut Live, recorder: Option<Recorder>) {
     let Some(mut recorder) = recorder else { return };
     recorder.write(edge.party.take_journal());
     recorder.write(edge.party.finish_journal());
-    let parts = recorder.finish();
-    let Some(folder) = parts.first().map(|part| part.with_extension("report")) else { return };
-    match report::make(&parts, &folder) {
-        Ok(()) => tracing::info!("log {}, report {}", parts[0].display(), folder.display()),
-        Err(failure) => tracing::warn!("no report: {failure}"),
-    }
-}
-
-pub(super) fn unix_time_us() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64)
-}
-
-/// Ctrl-C, or the signal with which services are ended.
-pub(super) async fn interrupted() {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
-            tokio::select! {
-                _ = tokio::signal::ctrl_c() => {}
-                _ = terminate.recv() => {}
-            }
-            return;
-        }
-    }
-    tokio::signal::ctrl_c().await.ok();
+    recorder.finish_with_report();
 }

@@ -8,6 +8,7 @@ use clap::{Args, CommandFactory, Subcommand};
 
 use super::cli::{Cli, Common};
 use super::failure::Failure;
+use super::parameter_list::{self, ParametersArgs};
 use super::{config, config_schema, console};
 
 /// `helmlink config`.
@@ -19,6 +20,8 @@ pub enum ConfigCommand {
     Check(CheckArgs),
     /// Print the JSON schema of configuration files, for editors
     Schema(SchemaArgs),
+    /// List the bridge's MAVLink parameters: value, range, unit and meaning of each
+    Parameters(ParametersArgs),
 }
 
 /// `helmlink config show`.
@@ -69,6 +72,7 @@ impl ConfigCommand {
             Self::Show(args) => &args.common,
             Self::Check(args) => &args.common,
             Self::Schema(args) => &args.common,
+            Self::Parameters(args) => &args.common,
         }
     }
 }
@@ -77,6 +81,7 @@ pub(super) fn run(command: &ConfigCommand) -> Result<(), Failure> {
     match command {
         ConfigCommand::Show(args) => show(args),
         ConfigCommand::Check(args) => check(args),
+        ConfigCommand::Parameters(args) => parameter_list::run(args),
         ConfigCommand::Schema(_) => {
             let schema = config_schema::schema(&Cli::command());
             console::say(&serde_json::to_string_pretty(&schema).map_err(Failure::failed)?);

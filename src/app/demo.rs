@@ -9,7 +9,7 @@ use std::time::Duration;
 use clap::Args;
 use helmlink_sitl::Sitl;
 
-use super::bridge::{interrupted, unix_time_us};
+use super::bridge::interrupted;
 use super::cli::Common;
 use super::console::{self, ProgressLine};
 use super::edge::Edge;
@@ -18,6 +18,7 @@ use super::ground_station::GroundStation;
 use super::log_report::PAGE;
 use super::mission::{self, Drivable};
 use super::paced_sitl::{self, PacedSitl};
+use super::recorder::unix_time_us;
 use super::result::{self, RunResult, Subject};
 use super::sitl;
 use super::trial::check_speed;

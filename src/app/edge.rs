@@ -1,10 +1,15 @@
 //! Where a pure party meets sockets and the clock.
 
+use std::future::poll_fn;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::pin;
+use std::task::Poll;
 use std::time::Duration;
 
 use helmlink_wire::LinkId;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
+use super::failure::Failure;
 use crate::bridge::Bridge;
 use crate::link::{EndpointId, Hub, LinkEvent, Traffic};
 
@@ -15,6 +20,32 @@ const EVENTS_PER_TURN: usize = 256;
 
 /// A party without a pace waits while so much waits to be read by a peer: a quarter of what fits.
 const CROWDED_BYTES: usize = 16 * 1024;
+
+/// Runs `work` to its end on one thread, as a task.
+///
+/// The future that a runtime of one thread blocks on is expensive to wake: each time, the runtime writes to a
+/// descriptor of its own and goes round once more. A task costs nothing but its place in a queue, which is felt when
+/// every datagram wakes it.
+pub(super) fn block_on_task<T: Send + 'static>(
+    work: impl Future<Output = T> + Send + 'static,
+) -> Result<T, Failure> {
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
+    runtime.block_on(async { tokio::spawn(work).await }).map_err(Failure::failed)
+}
+
+/// What `work` gives; none when it panics, which must not keep a bridge from letting its boat go.
+pub(super) async fn unless_it_panics<T>(work: impl Future<Output = T>) -> Option<T> {
+    let mut work = pin!(work);
+    poll_fn(|context| {
+        // Whoever goes on afterwards does no more than say good-bye.
+        match catch_unwind(AssertUnwindSafe(|| work.as_mut().poll(context))) {
+            Ok(poll) => poll.map(Some),
+            Err(_) => Poll::Ready(None),
+        }
+    })
+    .await
+}
 
 /// Something that talks with peers and never looks at a clock.
 ///
@@ -37,8 +68,13 @@ pub trait Party {
 }
 
 impl Party for Bridge {
-    fn link_up(&mut self, now: Duration, link: LinkId, _endpoint: EndpointId) {
-        Self::link_up(self, now, link);
+    fn link_up(&mut self, now: Duration, link: LinkId, endpoint: EndpointId) {
+        // The first endpoint that is opened is the flight controller's; the others are ground stations'.
+        if endpoint == EndpointId::FIRST {
+            Self::link_up(self, now, link);
+        } else {
+            Self::station_link_up(self, now, link);
+        }
     }
 
     fn link_down(&mut self, now: Duration, link: LinkId) {
@@ -70,6 +106,8 @@ pub struct Edge<P> {
     /// Ticks are due this often, however many events there are.
     tick: Duration,
     ticked: Instant,
+    /// Whether the latest turn ticked the party.
+    has_ticked: bool,
     write: Vec<u8>,
 }
 
@@ -87,7 +125,17 @@ impl<P: Party> Edge<P> {
         let mut ticker = interval(tick);
         ticker.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let start = Instant::now();
-        Self { party, hub, start, began: Duration::ZERO, ticker, tick, ticked: start, write: Vec::new() }
+        Self {
+            party,
+            hub,
+            start,
+            began: Duration::ZERO,
+            ticker,
+            tick,
+            ticked: start,
+            has_ticked: false,
+            write: Vec::new(),
+        }
     }
 
     /// Time since the start.
@@ -100,6 +148,11 @@ impl<P: Party> Edge<P> {
         self.began
     }
 
+    /// Whether the latest turn ticked the party.
+    pub fn has_ticked(&self) -> bool {
+        self.has_ticked
+    }
+
     /// What every link that is up has carried.
     pub fn traffic(&self) -> Vec<(LinkId, Traffic)> {
         self.hub.all_traffic()
@@ -108,6 +161,7 @@ impl<P: Party> Edge<P> {
     /// Waits for the next tick or event and lets the party handle it. Nothing is lost when the wait is abandoned.
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
+        self.has_ticked = false;
         if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
             self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
@@ -121,32 +175,33 @@ impl<P: Party> Edge<P> {
             return seen;
         }
         tokio::select! {
-                biased;
-                event = self.hub.next_event() => {
-                    self.began = self.start.elapsed();
-                    seen = self.handle(event);
-                    for _ in 1..EVENTS_PER_TURN {
-                        let Some(event) = self.hub.try_next_event() else { break };
-                        seen = self.handle(event).or(seen);
-                    }
-                    // A flood of events must not keep the party from its work.
-                    if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
-                        self.tick_party();
-                    }
+            biased;
+            event = self.hub.next_event() => {
+                self.began = self.start.elapsed();
+                seen = self.handle(event);
+                for _ in 1..EVENTS_PER_TURN {
+                    let Some(event) = self.hub.try_next_event() else { break };
+                    seen = self.handle(event).or(seen);
                 }
-                _ = self.ticker.tick() => {
-            self.began = self.start.elapsed();
-            if !self.is_crowded() {
-                self.tick_party();
+                // A flood of events must not keep the party from its work.
+                if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
+                    self.tick_party();
+                }
+            }
+            _ = self.ticker.tick() => {
+                self.began = self.start.elapsed();
+                if !self.is_crowded() {
+                    self.tick_party();
+                }
             }
         }
-            }
         self.flush();
         seen
     }
 
     fn tick_party(&mut self) {
         self.ticked = Instant::now();
+        self.has_ticked = true;
         self.party.on_tick(self.start.elapsed());
     }
 
@@ -199,5 +254,24 @@ impl<P: Party> Edge<P> {
                 Some(Seen::Down(reason))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn what_panics_gives_nothing_and_what_waits_is_waited_for() {
+        let panicking = async {
+            tokio::task::yield_now().await;
+            panic!("on purpose");
+        };
+        assert_eq!(unless_it_panics(panicking).await, None::<()>);
+        let waiting = async {
+            tokio::task::yield_now().await;
+            7
+        };
+        assert_eq!(unless_it_panics(waiting).await, Some(7));
     }
 }

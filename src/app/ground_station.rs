@@ -8,17 +8,15 @@ use std::time::Duration;
 use helmlink_mission::plan::Mission;
 use helmlink_mission::protocol::MissionType;
 use helmlink_mission::protocol::client::{Exchange, Upload};
-use helmlink_wire::dialect::HEARTBEAT_DATA;
-use helmlink_wire::{Encoder, Framer, Identity, LinkId, Message, enums};
+use helmlink_wire::{Identity, LinkId, Message, enums};
 
+use super::client::{Client, OWN, is_due};
 use super::edge::Party;
 use crate::link::EndpointId;
 use crate::vehicle::streams::command_long;
 use crate::vehicle::telemetry::{Sender, classify};
 use crate::vehicle::{StreamRequests, Telemetry};
 
-/// Who the ground station is.
-const OWN: Identity = Identity { system: 255, component: enums::MAV_COMP_ID_MISSIONPLANNER };
 /// Interval of its heartbeat at the boat's pace, and of repeated requests.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// How often it wants to hear where the boat is, seconds.
@@ -44,16 +42,12 @@ enum Task {
 /// A ground station that prepares one run.
 pub(super) struct GroundStation {
     mission: Mission,
-    link: Option<LinkId>,
-    framer: Framer,
-    encoder: Encoder,
-    outbox: VecDeque<Vec<u8>>,
+    client: Client,
     vehicle: Option<Identity>,
     telemetry: Telemetry,
     streams: StreamRequests,
     task: Task,
     heartbeat_interval: Duration,
-    last_heartbeat: Option<Duration>,
     last_request: Option<Duration>,
     notes: VecDeque<String>,
 }
@@ -64,16 +58,12 @@ impl GroundStation {
     pub(super) fn new(mission: Mission, speedup: f64) -> Self {
         Self {
             mission,
-            link: None,
-            framer: Framer::new(),
-            encoder: Encoder::new(),
-            outbox: VecDeque::new(),
+            client: Client::default(),
             vehicle: None,
             telemetry: Telemetry::default(),
             streams: StreamRequests::new(STREAM_INTERVAL_S),
             task: Task::Finding,
             heartbeat_interval: INTERVAL.div_f64(speedup.max(1.0)),
-            last_heartbeat: None,
             last_request: None,
             notes: VecDeque::new(),
         }
@@ -129,24 +119,16 @@ impl GroundStation {
     }
 
     fn work(&mut self, now: Duration) {
-        if is_due(&mut self.last_heartbeat, now, self.heartbeat_interval) {
-            self.send(&Message::HEARTBEAT(HEARTBEAT_DATA {
-                mavtype: enums::MAV_TYPE_GCS,
-                autopilot: enums::MAV_AUTOPILOT_INVALID,
-                system_status: enums::MAV_STATE_ACTIVE,
-                mavlink_version: 3,
-                ..HEARTBEAT_DATA::DEFAULT
-            }));
-        }
+        self.client.keep_alive(now, self.heartbeat_interval);
         let Some(vehicle) = self.vehicle else { return };
         while let Some(message) = self.streams.poll(now, vehicle) {
-            self.send(&message);
+            self.client.send(&message);
         }
         match &mut self.task {
             Task::Uploading(upload) => {
                 let (message, outcome) = (upload.poll(now), upload.outcome());
                 if let Some(message) = message {
-                    self.send(&message);
+                    self.client.send(&message);
                 }
                 match outcome {
                     Some(Ok(())) => {
@@ -160,7 +142,7 @@ impl GroundStation {
                 }
             }
             Task::Arming if self.telemetry.is_armed() => self.task = Task::Watching,
-            Task::Arming if self.telemetry.estimator_is_ready() => self.ask_to_arm(now, vehicle, true),
+            Task::Arming if self.telemetry.estimator_is_ready(now) => self.ask_to_arm(now, vehicle, true),
             Task::Disarming if !self.telemetry.is_armed() => self.task = Task::Ended(None),
             Task::Disarming => self.ask_to_arm(now, vehicle, false),
             _ => {}
@@ -170,45 +152,24 @@ impl GroundStation {
     fn ask_to_arm(&mut self, now: Duration, vehicle: Identity, arm: bool) {
         if is_due(&mut self.last_request, now, INTERVAL) {
             let params = [f32::from(u8::from(arm)), 0.0, 0.0];
-            self.send(&command_long(vehicle, enums::MAV_CMD_COMPONENT_ARM_DISARM, params));
+            self.client.send(&command_long(vehicle, enums::MAV_CMD_COMPONENT_ARM_DISARM, params));
         }
     }
-
-    fn send(&mut self, message: &Message) {
-        let mut frame = Vec::new();
-        self.encoder.encode(OWN, message, &mut frame);
-        self.outbox.push_back(frame);
-    }
-}
-
-/// True once per interval.
-fn is_due(last: &mut Option<Duration>, now: Duration, interval: Duration) -> bool {
-    let due = last.is_none_or(|then| now.saturating_sub(then) >= interval);
-    if due {
-        *last = Some(now);
-    }
-    due
 }
 
 impl Party for GroundStation {
     fn link_up(&mut self, _now: Duration, link: LinkId, _endpoint: EndpointId) {
-        self.link = Some(link);
+        self.client.link_up(link);
     }
 
     fn link_down(&mut self, _now: Duration, link: LinkId) {
-        if self.link == Some(link) {
-            self.link = None;
-        }
+        self.client.link_down(link);
     }
 
     fn on_bytes(&mut self, now: Duration, _link: LinkId, bytes: &[u8], _is_datagram: bool) {
-        self.framer.push(bytes);
-        while let Some((from, message)) =
-            self.framer.next_frame().map(|frame| (frame.identity(), frame.decode()))
-        {
-            if let Ok(message) = message {
-                self.on_message(now, from, &message);
-            }
+        self.client.push(bytes);
+        while let Some((from, message)) = self.client.next_message() {
+            self.on_message(now, from, &message);
         }
         self.work(now);
     }
@@ -218,7 +179,6 @@ impl Party for GroundStation {
     }
 
     fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        let link = self.link?;
-        self.outbox.pop_front().map(|frame| (link, frame))
+        self.client.poll_transmit()
     }
 }

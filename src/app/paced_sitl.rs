@@ -7,6 +7,7 @@ use helmlink_wire::LinkId;
 use sha2::{Digest, Sha256};
 
 use super::edge::Party;
+use super::sitl_log::SitlLog;
 use crate::link::EndpointId;
 use crate::simulation::closed_loop::LOOP;
 
@@ -17,7 +18,7 @@ const LONGEST_LAG: Duration = Duration::from_millis(500);
 const LOOPS_AT_ONCE: u32 = 25;
 /// A client in lockstep that gives no answer for so long is no longer waited for.
 const LOCKSTEP_PATIENCE: Duration = Duration::from_secs(10);
-/// The link whose output is digested; nobody else has it.
+/// The link whose output is digested and logged; nobody else has it.
 const RECORDER: LinkId = LinkId(u32::MAX);
 
 /// The speedup that stands for "as fast as the machine goes".
@@ -41,6 +42,7 @@ pub(super) struct PacedSitl {
     end: Option<Duration>,
     held_since: Option<Duration>,
     digest: Option<(Sha256, u64)>,
+    log: Option<SitlLog>,
 }
 
 impl PacedSitl {
@@ -49,7 +51,17 @@ impl PacedSitl {
         let origin = (Duration::ZERO, sitl.now());
         sitl.set_speedup(if speedup == MAX { 0.0 } else { speedup });
         let shown = sitl.speedup();
-        Self { sitl, speedup, shown, origin, lost: Duration::ZERO, end: None, held_since: None, digest: None }
+        Self {
+            sitl,
+            speedup,
+            shown,
+            origin,
+            lost: Duration::ZERO,
+            end: None,
+            held_since: None,
+            digest: None,
+            log: None,
+        }
     }
 
     /// Stops time for good at `end`.
@@ -62,6 +74,19 @@ impl PacedSitl {
         if self.sitl.link_up(RECORDER) {
             self.digest = Some((Sha256::new(), 0));
         }
+    }
+
+    /// Keeps everything that the boat hears and says for [`Self::take_log`]; the boat's time zero is `start_us`
+    /// microseconds after the Unix epoch.
+    pub(super) fn keep_log(&mut self, start_us: u64) {
+        // Even a boat without clients says something then.
+        self.sitl.link_up(RECORDER);
+        self.log = Some(SitlLog::new(start_us));
+    }
+
+    /// Telemetry log records since the last call.
+    pub(super) fn take_log(&mut self) -> Vec<u8> {
+        self.log.as_mut().map(SitlLog::take).unwrap_or_default()
     }
 
     /// The digest so far, SHA-256 in hexadecimal digits, and the number of bytes.
@@ -132,9 +157,15 @@ impl Party for PacedSitl {
 
     fn link_down(&mut self, _now: Duration, link: LinkId) {
         self.sitl.link_down(link);
+        if let Some(log) = &mut self.log {
+            log.forget(link);
+        }
     }
 
     fn on_bytes(&mut self, _now: Duration, link: LinkId, bytes: &[u8], is_datagram: bool) {
+        if let Some(log) = &mut self.log {
+            log.received(self.sitl.now(), link, bytes, is_datagram);
+        }
         if is_datagram {
             self.sitl.on_datagram(link, bytes);
         } else {
@@ -169,6 +200,9 @@ impl Party for PacedSitl {
     fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
         loop {
             let (link, bytes) = self.sitl.poll_transmit()?;
+            if let Some(log) = &mut self.log {
+                log.said(self.sitl.now(), &bytes);
+            }
             if link != RECORDER {
                 return Some((link, bytes));
             }

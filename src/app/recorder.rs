@@ -8,9 +8,52 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use clap::Args;
 
 use super::failure::Failure;
+use super::report;
+
+/// Where and how much is recorded.
+#[derive(Debug, Clone, Args)]
+pub struct RecordArgs {
+    /// Write everything received, sent and thought to a telemetry log in this folder, and a report at the end
+    #[arg(long, value_name = "DIR")]
+    pub record: Option<PathBuf>,
+    /// Begin a new file of the log when one would grow larger than this, MB
+    #[arg(long, default_value_t = 256, value_name = "MB")]
+    pub record_file_mb: u64,
+    /// Remove the oldest logs in the folder when all of them together grow larger than this, MB
+    #[arg(long, default_value_t = 8192, value_name = "MB")]
+    pub record_total_mb: u64,
+}
+
+impl RecordArgs {
+    fn limits(&self) -> RecordLimits {
+        const MEGABYTE: u64 = 1_000_000;
+        RecordLimits {
+            file_bytes: self.record_file_mb.max(1).saturating_mul(MEGABYTE),
+            total_bytes: self.record_total_mb.max(1).saturating_mul(MEGABYTE),
+        }
+    }
+
+    /// Begins to record where the user wants that. `header` gives the records with which every file begins, once the
+    /// time of the start is known, microseconds since 1970 UTC.
+    ///
+    /// # Errors
+    /// The folder or the first file cannot be made.
+    pub(super) fn start(&self, header: impl FnOnce(u64) -> Vec<u8>) -> Result<Option<Recorder>, Failure> {
+        let Some(folder) = &self.record else { return Ok(None) };
+        let start_us = unix_time_us();
+        Recorder::start(folder, self.limits(), start_us, header(start_us)).map(Some)
+    }
+}
+
+/// The wall clock, microseconds since 1970 UTC.
+pub(super) fn unix_time_us() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64)
+}
 
 /// Pieces of log that may wait for the disk; some milliseconds of telemetry each.
 const QUEUE: usize = 1024;
@@ -25,11 +68,11 @@ const PREFIX: &str = "helmlink-";
 
 /// How much may be written.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RecordLimits {
+struct RecordLimits {
     /// A new file is begun when one would grow larger than this, bytes.
-    pub(super) file_bytes: u64,
+    file_bytes: u64,
     /// The oldest recordings in the folder are removed when all of them together are larger, bytes.
-    pub(super) total_bytes: u64,
+    total_bytes: u64,
 }
 
 /// A recording being written.
@@ -49,12 +92,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The folder or the first file cannot be made.
-    pub(super) fn start(
-        folder: &Path,
-        limits: RecordLimits,
-        start_us: u64,
-        header: Vec<u8>,
-    ) -> Result<Self, Failure> {
+    fn start(folder: &Path, limits: RecordLimits, start_us: u64, header: Vec<u8>) -> Result<Self, Failure> {
         let fault = |error: io::Error| {
             Failure::usage(format!("--record: cannot write into {}: {error}", folder.display()))
         };
@@ -128,8 +166,18 @@ impl Recorder {
         (std::mem::replace(&mut self.told_failing, failing) != failing).then_some(failing)
     }
 
+    /// Writes what is waiting and ends, then makes the report of the recording.
+    pub(super) fn finish_with_report(self) {
+        let parts = self.finish();
+        let Some(folder) = parts.first().map(|part| part.with_extension("report")) else { return };
+        match report::make(&parts, &folder) {
+            Ok(()) => tracing::info!("log {}, report {}", parts[0].display(), folder.display()),
+            Err(failure) => tracing::warn!("log {}; no report: {failure}", parts[0].display()),
+        }
+    }
+
     /// Writes what is waiting and ends; the files of the recording.
-    pub(super) fn finish(mut self) -> Vec<PathBuf> {
+    fn finish(mut self) -> Vec<PathBuf> {
         if let Some(sender) = self.sender.take() {
             for records in self.backlog.drain(..) {
                 sender.send(records).ok();
@@ -199,7 +247,7 @@ impl Writer {
             (Err(error), before) => {
                 if before.is_none() {
                     tracing::error!(
-                        "cannot record in {}: {error}; steering goes on, and the log is valid up to here",
+                        "cannot record in {}: {error}; everything else goes on, and the log is valid up to here",
                         self.folder.display()
                     );
                 }

@@ -20,6 +20,7 @@ use super::failure::Failure;
 use super::mission;
 use super::paced_sitl::{self, PacedSitl};
 use super::parameter_file::{self, ParameterFile};
+use super::recorder::RecordArgs;
 use super::scenario::{self, ScenarioFile};
 use super::world::{World, WorldArgs};
 use crate::link::{Hub, LinkSettings, LinkUrl};
@@ -33,6 +34,7 @@ Examples:
 
   helmlink sitl --scenario gps-loss --speedup max
   helmlink sitl --boat skiff --fault rudder-stuck@60..90 --fault link-loss=20 --params boat.parm
+  helmlink sitl --record logs --speedup 10
   helmlink sitl --boat skiff --ardupilot-json 127.0.0.1:9002
 
 Then, for example: mavproxy.py --master tcp:127.0.0.1:5760")]
@@ -72,7 +74,7 @@ pub struct SitlArgs {
     pub paused: bool,
     /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS)
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:9002",
-          conflicts_with_all = ["signing_key", "scenario", "fault", "params", "param", "mission", "duration", "paused", "arm"])]
+          conflicts_with_all = ["signing_key", "scenario", "fault", "params", "param", "mission", "duration", "paused", "arm", "record"])]
     pub ardupilot_json: Option<std::net::SocketAddr>,
     /// A mission that the boat has on board from the start
     #[arg(long, value_name = "FILE")]
@@ -80,6 +82,9 @@ pub struct SitlArgs {
     /// Take as long to start as real firmware does (position after 42 s)
     #[arg(long)]
     pub realistic_startup: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub recording: RecordArgs,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub world: WorldArgs,
@@ -249,6 +254,10 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
             .map_err(|_| Failure::usage(format!("--duration {duration_s}: give seconds, more than 0")))?;
         boat.end_at(end);
     }
+    let mut recorder = args.recording.start(|start_us| {
+        boat.keep_log(start_us);
+        Vec::new()
+    })?;
     let mut parameters = args.params.clone().map(|path| ParameterFile::new(path, &boat.sitl));
     let mut edge = Edge::new(boat, hub, paced_sitl::tick(args.speedup));
     let mut interrupt = std::pin::pin!(interrupted());
@@ -262,6 +271,9 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
                 Some(Seen::Down(reason)) => tracing::info!("link down: {reason}"),
                 None => {}
             },
+        }
+        if let Some(recorder) = &mut recorder {
+            recorder.write(edge.party.take_log());
         }
         if let Some(file) = &mut parameters {
             file.follow(edge.now(), &edge.party.sitl)?;
@@ -277,6 +289,10 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
         }
     }
     let mut boat = edge.close().await;
+    if let Some(mut recorder) = recorder {
+        recorder.write(boat.take_log());
+        recorder.finish_with_report();
+    }
     if let Some(file) = &mut parameters {
         file.save(&boat.sitl)?;
     }

@@ -1,5 +1,6 @@
 //! What has to be looked after from time to time: requests, parameters, missions.
 
+use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::route::Ending;
 use helmlink_wire::enums;
 
@@ -7,9 +8,11 @@ use super::fence::FenceNews;
 use super::mission::News;
 use super::{Bridge, HOUSEKEEPING, Vehicle};
 use crate::control::boat::Actuators;
+use crate::pilot::rejoin::{self, Underway};
 use crate::pilot::supervisor::State;
-use crate::pilot::{MissionRun, RunSettings, rejoin};
+use crate::pilot::{MissionRun, RunSettings};
 use crate::vehicle::output::checks;
+use crate::vehicle::telemetry::Position;
 use crate::vehicle::{Mode, output};
 
 impl Bridge {
@@ -70,7 +73,10 @@ impl Bridge {
         if self.output_ready || !self.parameters.is_complete() {
             return;
         }
-        self.parameters.require(&output::channel_parameters(&self.parameters));
+        self.parameters.require(&output::further_parameters(&self.parameters));
+        if self.settings.output.uses_sticks() {
+            self.parameters.watch(&checks::WATCHED);
+        }
         if self.parameters.is_complete() {
             self.output_ready = self.configure_output();
             if self.output_ready {
@@ -85,7 +91,9 @@ impl Bridge {
         let (kind, system) = (self.settings.output, self.settings.ground_station_system);
         let configured = self.output.configure(&self.parameters);
         let obstacle = checks::obstacle(kind, system, &self.parameters);
-        match configured.err().or(obstacle) {
+        let complaint = configured.err().or(obstacle);
+        self.observer.output_refused = complaint.is_some();
+        match complaint {
             None => true,
             Some(text) => {
                 if self.reporter.is_new_problem(&text) {
@@ -145,11 +153,12 @@ impl Bridge {
         if let (Some(old), Some(position)) =
             (self.run.as_ref().filter(|_| under_way), self.telemetry.position)
         {
-            let next = old.progress().next;
-            let target = old.route().waypoints.get(next).map(|waypoint| waypoint.position);
-            let index = rejoin::next_waypoint(run.route(), position.value.place, target, next > 0);
-            run.jump_to(index);
-            let text = format!("the mission has changed under way: going on with waypoint {}", index + 1);
+            let Position { place, north_mps, east_mps, .. } = position.value;
+            let velocity = NorthEast::new(north_mps, east_mps);
+            let underway = Underway { route: old.route(), next: old.progress().next, place, velocity };
+            run.join(rejoin::next_waypoint(run.route(), &underway), place);
+            let next = run.progress().next + 1;
+            let text = format!("the mission has changed under way: going on with waypoint {next}");
             self.event(enums::MAV_SEVERITY_NOTICE, text);
         }
         self.run = Some(run);

@@ -14,10 +14,20 @@ use crate::record::journal::Purpose;
 /// Frames waiting for the driver beyond this number are dropped, oldest first: they would be stale anyway.
 const OUTBOX_LIMIT: usize = 4096;
 
+/// Who may be at the other end of a link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FarEnd {
+    /// The flight controller, and whoever it passes on.
+    Vehicle,
+    /// Ground stations and other programs: never the flight controller that is steered.
+    Station,
+}
+
 /// One peer.
 #[derive(Debug)]
 struct Link {
     id: LinkId,
+    far_end: FarEnd,
     framer: Framer,
     encoder: Encoder,
     last_bytes: Duration,
@@ -59,10 +69,18 @@ impl Links {
         self.journal.as_mut()
     }
 
-    pub(super) fn add(&mut self, now: Duration, id: LinkId) {
-        if self.position(id).is_none() {
-            self.links.push(Link { id, framer: Framer::new(), encoder: Encoder::new(), last_bytes: now });
+    pub(super) fn add(&mut self, now: Duration, id: LinkId, far_end: FarEnd) {
+        if let Some(link) = self.links.iter_mut().find(|link| link.id == id) {
+            link.far_end = far_end;
+        } else {
+            let (framer, encoder) = (Framer::new(), Encoder::new());
+            self.links.push(Link { id, far_end, framer, encoder, last_bytes: now });
         }
+    }
+
+    /// Whether the flight controller may be at the other end of this link.
+    pub(super) fn leads_to_vehicle(&self, id: LinkId) -> bool {
+        self.links.iter().any(|link| link.id == id && link.far_end == FarEnd::Vehicle)
     }
 
     pub(super) fn remove(&mut self, id: LinkId) {
@@ -79,13 +97,12 @@ impl Links {
         self.links.iter().find(|link| link.id == id).map(|link| *link.framer.statistics())
     }
 
-    fn position(&self, id: LinkId) -> Option<usize> {
-        self.links.iter().position(|link| link.id == id)
-    }
-
     /// Takes bytes of one peer in; the frames in them come out of [`Self::next_message`].
     pub(super) fn push(&mut self, now: Duration, id: LinkId, bytes: &[u8], is_datagram: bool) {
-        self.add(now, id);
+        if self.links.iter().all(|link| link.id != id) {
+            // Nobody has said who is there.
+            self.add(now, id, FarEnd::Station);
+        }
         if let Some(link) = self.links.iter_mut().find(|link| link.id == id) {
             link.framer.push(bytes);
             link.last_bytes = now;
@@ -199,5 +216,25 @@ impl Links {
             text
         });
         (hex, self.command_count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_of_another_dialect_is_passed_on_as_it_is() {
+        let mut links = Links::new(false);
+        let (one, other) = (LinkId(1), LinkId(2));
+        links.add(Duration::ZERO, one, FarEnd::Vehicle);
+        links.add(Duration::ZERO, other, FarEnd::Station);
+        // MAVLink 2, message 54000, three bytes, a checksum that nobody here can check.
+        let frame = [0xFD, 3, 0, 0, 7, 255, 190, 0xF0, 0xD2, 0, 1, 2, 3, 0xAA, 0x55];
+        links.push(Duration::ZERO, other, &frame, true);
+        let own = [Identity { system: 1, component: 191 }];
+        assert!(links.next_message(Duration::ZERO, other, &own).is_none(), "nothing to look at");
+        assert_eq!(links.poll_transmit(), Some((one, frame.to_vec())));
+        assert_eq!(links.poll_transmit(), None);
     }
 }

@@ -7,17 +7,27 @@ use super::{Bridge, MOVE_AFTER_S, Vehicle};
 use crate::vehicle::Telemetry;
 use crate::vehicle::telemetry::{Sender, Update, classify};
 
+/// No more than so many other flight controllers are told of.
+const STRANGERS_TOLD: usize = 16;
+
 impl Bridge {
-    /// Somebody says that he is there: perhaps the flight controller.
+    /// Somebody says that he is there: perhaps the flight controller. Only one on its own link is, and of several there
+    /// the first.
     pub(super) fn meet(&mut self, link: LinkId, from: Identity, heartbeat: &HEARTBEAT_DATA) {
+        if !self.links.leads_to_vehicle(link) {
+            return;
+        }
         match (classify(from, heartbeat), self.vehicle) {
+            (Sender::Boat | Sender::WrongVehicle(..), _) if self.kept.is_some_and(|kept| kept != from) => {
+                self.tell_of_stranger(from);
+            }
             (Sender::Boat, None) => self.adopt(Vehicle { link, id: from }),
             (Sender::Boat, Some(known))
                 if known.id == from
                     && known.link != link
                     && self.telemetry.heartbeat_age_s(self.now) > MOVE_AFTER_S =>
             {
-                self.adopt(Vehicle { link, id: from });
+                self.follow_to(link);
             }
             (Sender::WrongVehicle(kind, autopilot), None) if self.refusal.is_none() => {
                 let text = format!(
@@ -32,9 +42,35 @@ impl Bridge {
         }
     }
 
+    /// The same flight controller on another link: everything known of it still holds, only what its port was asked for
+    /// has to be asked again. Should it be another one after all, its position and its clock will show it.
+    fn follow_to(&mut self, link: LinkId) {
+        let Some(vehicle) = &mut self.vehicle else { return };
+        vehicle.link = link;
+        self.streams.ask_again();
+        self.event(
+            enums::MAV_SEVERITY_WARNING,
+            "the flight controller is heard on another link: followed there",
+        );
+    }
+
+    /// Says once of each other flight controller that it is left alone.
+    fn tell_of_stranger(&mut self, from: Identity) {
+        let Some(kept) = self.kept else { return };
+        if self.strangers.len() < STRANGERS_TOLD && self.strangers.insert(from) {
+            let text = format!(
+                "a second flight controller, system {}, is on the link: left alone, helmlink keeps to system {}; \
+                 restart it to steer another",
+                from.system, kept.system
+            );
+            self.event(enums::MAV_SEVERITY_WARNING, text);
+        }
+    }
+
     pub(super) fn adopt(&mut self, vehicle: Vehicle) {
         self.forget_vehicle();
         self.vehicle = Some(vehicle);
+        self.kept = Some(vehicle.id);
         self.refusal = None;
         let text = format!("found the flight controller: system {}", vehicle.id.system);
         self.event(enums::MAV_SEVERITY_INFO, text);

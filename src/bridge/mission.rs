@@ -8,6 +8,7 @@ use helmlink_mission::protocol::client::{Download, Exchange};
 use helmlink_mission::route::Route;
 use helmlink_wire::{Identity, Message};
 
+use super::resume::checksum;
 use super::settings::MissionSource;
 use crate::control::Boat;
 use crate::pilot::MissionRun;
@@ -39,6 +40,8 @@ pub(super) struct MissionKeeper {
     given: Option<Mission>,
     download: Option<Download>,
     loaded: Option<Mission>,
+    /// Of the loaded one.
+    checksum: String,
     retry_at: Duration,
     /// Another mission has been uploaded, perhaps with as many items.
     uploaded: bool,
@@ -53,7 +56,8 @@ impl MissionKeeper {
         };
         let boat = boat.clone();
         let retry_at = Duration::ZERO;
-        Self { from_vehicle, given, download: None, loaded: None, retry_at, uploaded: false, boat }
+        let checksum = String::new();
+        Self { from_vehicle, given, download: None, loaded: None, checksum, retry_at, uploaded: false, boat }
     }
 
     /// A mission is there, and no newer one is being read.
@@ -64,6 +68,11 @@ impl MissionKeeper {
     /// The mission that is being driven.
     pub(super) fn mission(&self) -> Option<&Mission> {
         self.loaded.as_ref()
+    }
+
+    /// SHA-256 of the items of the mission that is being driven: see [`checksum`].
+    pub(super) fn checksum(&self) -> Option<&str> {
+        self.loaded.as_ref().map(|_| self.checksum.as_str())
     }
 
     /// Reads the mission again: before engaging, since another may have been uploaded meanwhile.
@@ -133,6 +142,7 @@ impl MissionKeeper {
             .and_then(|route| MissionRun::check(&route, &self.boat).map(|()| route));
         match route {
             Ok(route) => {
+                self.checksum = checksum(&mission);
                 self.loaded = Some(mission);
                 News::Loaded(route)
             }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`settings`] | what the user decides beforehand |
 //! | [`status`] | what the bridge tells its surroundings |
+//! | [`counts`] | how often what has gone wrong |
 //! | [`controller_state`] | what the controller thinks, as messages |
 //! | `links` | peers, sequence numbers, the journal, the digest of all commands |
 //! | `mission` | gets the mission, and notices another one |
@@ -30,6 +31,7 @@
 mod actions;
 mod commands;
 pub mod controller_state;
+pub mod counts;
 mod fence;
 mod follow;
 mod housekeeping;
@@ -50,17 +52,18 @@ pub mod status;
 mod steering;
 mod timesync;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
 
 use helmlink_wire::{Identity, LinkId, LinkStatistics, Message, enums};
 
+pub use counts::Counts;
 pub use settings::{BridgeSettings, MissionSource};
-pub use status::{Event, Status};
+pub use status::{Event, Health, Status};
 
 use self::actions::Actions;
 use self::follow::CurrentItem;
-use self::links::Links;
+use self::links::{FarEnd, Links};
 use self::mission::MissionKeeper;
 use self::observing::Observer;
 use self::parameters::Tunables;
@@ -70,9 +73,9 @@ use self::steering::Steering;
 use self::timesync::TimeSync;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
-use crate::pilot::supervisor::{Policy, Request, Supervisor};
+use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
 use crate::record::{ControlState, Header, Journal};
-use crate::vehicle::output::{self, Output};
+use crate::vehicle::output::{self, Demand, Output};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
 
 /// How often a driver should call [`Bridge::on_tick`], on its own clock.
@@ -81,8 +84,9 @@ pub const TICK: Duration = Duration::from_millis(20);
 const HOUSEKEEPING: Duration = Duration::from_millis(10);
 /// Time between two requests for a mode or for arming.
 const REQUEST_REPEAT: Duration = Duration::from_millis(700);
-/// A flight controller that shows up on another link is followed there when the old link has been silent this long.
-const MOVE_AFTER_S: f64 = 3.0;
+/// A flight controller that shows up on another link is followed there when the old link has been silent this long: a
+/// datagram's sender has changed its port, or a modem its address. Sooner than its silence ends a drive.
+const MOVE_AFTER_S: f64 = 1.0;
 /// Nobody drives slower than this, m/s.
 const LEAST_SPEED_MPS: f64 = 0.1;
 /// Events that nobody has taken beyond this number are dropped.
@@ -104,6 +108,10 @@ pub struct Bridge {
     now: Duration,
     last_housekeeping: Option<Duration>,
     vehicle: Option<Vehicle>,
+    /// The flight controller that was found first: the bridge keeps to it.
+    kept: Option<Identity>,
+    /// Other flight controllers on its link that have been told of.
+    strangers: BTreeSet<Identity>,
     refusal: Option<String>,
     telemetry: Telemetry,
     cadence: Cadence,
@@ -123,6 +131,8 @@ pub struct Bridge {
     /// The parameters as the bridge was started with, saved ones left out.
     factory: Tunables,
     steering: Steering,
+    counts: Counts,
+    abandoned: bool,
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
@@ -153,6 +163,8 @@ impl Bridge {
             now: Duration::ZERO,
             last_housekeeping: None,
             vehicle: None,
+            kept: None,
+            strangers: BTreeSet::new(),
             refusal: None,
             telemetry: Telemetry::default(),
             cadence: Cadence::new(settings.control_interval_s),
@@ -172,6 +184,8 @@ impl Bridge {
             parameter_service: ParameterService::default(),
             factory,
             steering: Steering::default(),
+            counts: Counts::default(),
+            abandoned: false,
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
@@ -219,11 +233,22 @@ impl Bridge {
         self.links.journal().map(|journal| journal.header().to_vec()).unwrap_or_default()
     }
 
-    /// A peer has appeared. It hears from the bridge at once.
+    /// A peer has appeared where the flight controller is. It hears from the bridge at once.
     pub fn link_up(&mut self, now: Duration, link: LinkId) {
         self.record(|journal| journal.link_up(now, link));
+        self.welcome(now, link, FarEnd::Vehicle);
+    }
+
+    /// A peer has appeared that is no flight controller: a ground station, or another program. Whatever it says, it is
+    /// not steered. Bytes from a link of which nothing has been said count as such a peer's.
+    pub fn station_link_up(&mut self, now: Duration, link: LinkId) {
+        self.record(|journal| journal.station_up(now, link));
+        self.welcome(now, link, FarEnd::Station);
+    }
+
+    fn welcome(&mut self, now: Duration, link: LinkId, far_end: FarEnd) {
         self.advance(now);
-        self.links.add(now, link);
+        self.links.add(now, link, far_end);
         self.send_heartbeat();
     }
 
@@ -310,6 +335,32 @@ impl Bridge {
         }
     }
 
+    /// Stops the boat and lets it go at once, whatever the state: for a driver that cannot go on. Nothing else is to be
+    /// asked of this bridge than its last frames.
+    pub fn abandon(&mut self) {
+        self.abandoned = true;
+        let drives = matches!(self.supervisor.state(), State::Engaging | State::Engaged | State::HandingBack);
+        if let Some(vehicle) = self.vehicle.filter(|_| drives) {
+            self.send_demand(Demand::NEUTRAL);
+            self.let_go(vehicle);
+        }
+    }
+
+    /// [`Self::abandon`] was called.
+    pub fn is_abandoned(&self) -> bool {
+        self.abandoned
+    }
+
+    /// How often what has gone wrong so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Control steps made so far.
+    pub fn steps(&self) -> u64 {
+        self.steering.steps
+    }
+
     /// The mission being driven, once there is one.
     pub fn run(&self) -> Option<&MissionRun> {
         self.run.as_ref()
@@ -333,6 +384,16 @@ impl Bridge {
     /// SHA-256 of every steering frame sent so far, in order, and their number.
     pub fn commands_digest(&self) -> (String, u64) {
         self.links.commands_digest()
+    }
+
+    /// How the bridge's process is; the ground station is told with the next report. What is not a number is not told.
+    pub fn set_health(&mut self, now: Duration, health: Health) {
+        if ![health.late_ms, health.cpu_percent, health.memory_mb].iter().all(|value| value.is_finite()) {
+            return;
+        }
+        self.record(|journal| journal.health(now, &health));
+        self.advance(now);
+        self.reporter.health = Some(health);
     }
 
     /// Lets the journal, if one is kept, take something down.

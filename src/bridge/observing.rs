@@ -22,6 +22,8 @@ pub(super) struct Observer {
     pub(super) fence: FenceKeeper,
     frame: Option<LocalFrame>,
     recording_failed: bool,
+    /// The flight controller's parameters stand against steering it by the chosen output.
+    pub(super) output_refused: bool,
     /// The last control step gave no number.
     pub(super) step_failed: bool,
     /// The flight controller has restarted, and the state machine has not been told yet.
@@ -48,6 +50,7 @@ impl Observer {
         self.frame = None;
         self.fix = None;
         self.last_step = None;
+        self.output_refused = false;
     }
 
     fn fix(&mut self, position: Option<Stamped<Position>>) -> Option<PositionFix> {
@@ -80,6 +83,7 @@ impl Bridge {
         let verdict = self.watch.look(self.now.as_secs_f64(), &seen);
         self.observer.trip = verdict.trip;
         if let Some(warning) = verdict.warning {
+            self.counts.on_failsafe(warning.failsafe);
             self.event(enums::MAV_SEVERITY_WARNING, warning.to_string());
         }
     }
@@ -94,7 +98,8 @@ impl Bridge {
         Observation {
             position_age_s: self.telemetry.position_age_s(now),
             heading_age_s: self.telemetry.heading_age_s(now),
-            estimator_ready: self.telemetry.estimator_is_ready(),
+            estimator_ready: self.telemetry.estimator_is_ready(now),
+            output_refused: self.observer.output_refused,
             fix: self.observer.fix(self.telemetry.position),
             ground_station_age_s: age_s(self.observer.ground_station_heard),
             battery_percent: self.telemetry.battery_percent,
@@ -127,7 +132,7 @@ impl Bridge {
             && self.telemetry.heading_age_s(self.now) <= stale_s;
         Conditions {
             heartbeat_age_s: self.telemetry.heartbeat_age_s(self.now),
-            steady: fresh && self.telemetry.estimator_is_ready(),
+            steady: fresh && self.telemetry.estimator_is_ready(self.now),
             mode: self.telemetry.mode(),
             armed: self.telemetry.is_armed(),
             rebooted: self.observer.rebooted,

@@ -8,7 +8,7 @@ use helmlink_wire::dialect::{
 use helmlink_wire::{Identity, Message, enums};
 
 use super::steering::current_item;
-use super::{Bridge, Event, controller_state, settings};
+use super::{Bridge, Event, Health, controller_state, settings};
 use crate::pilot::supervisor::{Duty, State};
 
 /// Interval of the heartbeat and of the progress.
@@ -25,6 +25,12 @@ const RATE_NAME: &str = "HL_HZ";
 const JITTER_NAME: &str = "HL_JITTER";
 /// NAMED_VALUE_FLOAT: the longest interval since the last report, ms.
 const LONGEST_NAME: &str = "HL_LONGEST";
+/// NAMED_VALUE_FLOAT: from taking telemetry to handing over the command, at most, ms.
+const LATE_NAME: &str = "HL_LATE";
+/// NAMED_VALUE_FLOAT: the bridge's share of one processor, %.
+const CPU_NAME: &str = "HL_CPU";
+/// NAMED_VALUE_FLOAT: the bridge's memory, MB.
+const MEMORY_NAME: &str = "HL_MEM";
 /// System id of the bridge until it has met its vehicle.
 const DEFAULT_SYSTEM: u8 = 1;
 
@@ -33,6 +39,8 @@ const DEFAULT_SYSTEM: u8 = 1;
 pub(super) struct Reporter {
     last_report: Option<Duration>,
     last_problem: Option<String>,
+    /// How the process is, when it has been told and not been passed on yet.
+    pub(super) health: Option<Health>,
     /// Number of the last text that took more than one message.
     text_id: u16,
 }
@@ -56,6 +64,7 @@ impl Bridge {
             self.send_heartbeat();
             self.send_progress();
             self.send_live_state();
+            self.send_health();
         }
     }
 
@@ -101,6 +110,20 @@ impl Bridge {
             self.tell(&message);
         }
         self.steering.pace.start_over();
+    }
+
+    /// How the bridge's process is, once for each time that it has been measured.
+    fn send_health(&mut self) {
+        if self.vehicle.is_none() {
+            return;
+        }
+        let Some(health) = self.reporter.health.take() else { return };
+        let boot_s = self.telemetry.boot_s.unwrap_or_default();
+        let figures =
+            [(LATE_NAME, health.late_ms), (CPU_NAME, health.cpu_percent), (MEMORY_NAME, health.memory_mb)];
+        for (name, value) in figures {
+            self.tell(&controller_state::named_value(boot_s, name, value));
+        }
     }
 
     /// MISSION_CURRENT while the bridge drives: in the mode it steers in, the firmware reports none of this.

@@ -138,7 +138,7 @@ impl Bridge {
     pub fn resume_point(&self) -> Option<ResumePoint> {
         let place = self.telemetry.position?.value.place;
         Some(ResumePoint {
-            mission: checksum(self.mission.mission()?),
+            mission: self.mission.checksum()?.to_owned(),
             item: self.run.as_ref().and_then(super::steering::current_item)?,
             boot_s: self.telemetry.boot_s?,
             latitude_deg: place.latitude_deg,
@@ -149,10 +149,11 @@ impl Bridge {
 
     /// Takes up the drive that an earlier bridge left, if that was asked for and may be done.
     pub(super) fn try_to_resume(&mut self) {
-        if self.supervisor.state() != State::Ready {
+        if self.supervisor.state() != State::Ready || self.settings.resume.is_none() {
             return;
         }
-        let (Some(point), Some(found)) = (self.settings.resume.take(), self.found()) else { return };
+        let Some(found) = self.found() else { return };
+        let Some(point) = self.settings.resume.take() else { return };
         if let Err(why) = point.check(&found) {
             return self.event(enums::MAV_SEVERITY_WARNING, format!("not resumed: {why}"));
         }
@@ -162,7 +163,7 @@ impl Bridge {
                 .event(enums::MAV_SEVERITY_WARNING, format!("not resumed: {}", NotResumed::OtherMission));
         };
         if let Some(run) = &mut self.run {
-            run.jump_to(index);
+            run.join(index, found.place);
         }
         self.event(enums::MAV_SEVERITY_WARNING, format!("resuming at item {}", point.item));
         let conditions = self.conditions();
@@ -176,7 +177,7 @@ impl Bridge {
 
     fn found(&self) -> Option<Found> {
         Some(Found {
-            mission: checksum(self.mission.mission()?),
+            mission: self.mission.checksum()?.to_owned(),
             boot_s: self.telemetry.boot_s?,
             place: self.telemetry.position?.value.place,
             armed: self.telemetry.is_armed(),

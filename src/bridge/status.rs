@@ -1,6 +1,7 @@
 //! What the bridge tells its surroundings.
 
 use helmlink_wire::Identity;
+use serde::{Deserialize, Serialize};
 
 use crate::control::Diagnostics;
 use crate::pilot::Progress;
@@ -15,6 +16,18 @@ pub struct Event {
     pub severity: u8,
     /// One line.
     pub text: String,
+}
+
+/// How the bridge's own process is, as its surroundings measure it: for the ground station, not for steering.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Health {
+    /// From taking telemetry to handing over the command, at most, lately, milliseconds.
+    pub late_ms: f32,
+    /// Share of one processor since the last call, per cent.
+    pub cpu_percent: f32,
+    /// Resident memory, megabytes.
+    pub memory_mb: f32,
 }
 
 /// The bridge at one instant.

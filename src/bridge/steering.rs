@@ -73,6 +73,9 @@ impl Bridge {
             _ => enums::MAV_SEVERITY_INFO,
         };
         self.event(severity, transition.describe());
+        if let Some(failsafe) = transition.reason.failsafe().filter(|_| transition.from == State::Engaged) {
+            self.counts.on_failsafe(failsafe);
+        }
         match transition.to {
             State::Engaging => self.begin_again_if_complete(),
             State::Engaged => {
@@ -185,6 +188,7 @@ impl Bridge {
             }
             Err(error) => {
                 self.observer.step_failed = true;
+                self.counts.controller_errors += 1;
                 let text = error.to_string();
                 if self.reporter.is_new_problem(&text) {
                     self.event(enums::MAV_SEVERITY_ERROR, text);
@@ -207,7 +211,7 @@ impl Bridge {
         }
     }
 
-    fn send_demand(&mut self, demand: Demand) {
+    pub(super) fn send_demand(&mut self, demand: Demand) {
         let Some(vehicle) = self.vehicle else { return };
         self.steering.demand = demand;
         self.steering.pace.on_frame(self.now);
@@ -231,7 +235,7 @@ impl Bridge {
         }
     }
 
-    fn let_go(&mut self, vehicle: Vehicle) {
+    pub(super) fn let_go(&mut self, vehicle: Vehicle) {
         self.steering.demand = Demand::NEUTRAL;
         if let Some(message) = self.output.release(vehicle.id) {
             for _ in 0..RELEASE_FRAMES {

@@ -1,7 +1,9 @@
 //! The owner of all endpoints: one stream of events in, one way to send.
 
+use std::future::poll_fn;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::task::{Context, Poll};
 
 use helmlink_wire::LinkId;
 use tokio::sync::mpsc;
@@ -11,12 +13,18 @@ use tokio_util::task::TaskTracker;
 use super::error::OpenError;
 use super::peer::{Registry, Traffic};
 use super::settings::LinkSettings;
+use super::udp::Remotes;
 use super::url::LinkUrl;
-use super::{serial, tcp, udp};
+use super::{serial, tcp};
 
 /// One opened URL of a hub, counted from 0 in the order of opening.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EndpointId(pub usize);
+
+impl EndpointId {
+    /// The one that was opened first.
+    pub const FIRST: Self = Self(0);
+}
 
 /// What happens on the links of a hub. A link's events come in order: `Up`, any number of `Bytes`, `Down`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,6 +67,10 @@ pub struct Hub {
     /// What every endpoint gets a copy of; `id` is the number of the next endpoint.
     shared: Endpoint,
     local_addresses: Vec<Option<SocketAddr>>,
+    /// Read here and not by tasks: a datagram costs one wake instead of two.
+    sockets: Vec<Remotes>,
+    /// The socket that is looked at first; one more is everything else.
+    first: usize,
 }
 
 /// What the tasks of one endpoint share with the hub.
@@ -84,7 +96,7 @@ impl Hub {
             closing: CancellationToken::new(),
             tasks: TaskTracker::new(),
         };
-        Self { events, shared, local_addresses: Vec::new() }
+        Self { events, shared, local_addresses: Vec::new(), sockets: Vec::new(), first: 0 }
     }
 
     /// Opens an endpoint. Must be called within a tokio runtime with I/O and time enabled.
@@ -97,8 +109,8 @@ impl Hub {
     pub async fn open(&mut self, url: &LinkUrl) -> Result<EndpointId, OpenError> {
         let endpoint = self.shared.clone();
         let local_address = match url {
-            LinkUrl::UdpIn(at) => Some(udp::listen(endpoint, url, at).await?),
-            LinkUrl::UdpOut(to) => Some(udp::connect(endpoint, url, to).await?),
+            LinkUrl::UdpIn(at) => Some(self.read(Remotes::listen(endpoint, url, at).await?)),
+            LinkUrl::UdpOut(to) => Some(self.read(Remotes::connect(endpoint, url, to).await?)),
             LinkUrl::TcpIn(at) => Some(tcp::listen(endpoint, url, at).await?),
             LinkUrl::TcpOut(to) => {
                 tcp::connect(endpoint, to.clone());
@@ -110,6 +122,11 @@ impl Hub {
             }
         };
         Ok(self.add_endpoint(local_address).id)
+    }
+
+    fn read(&mut self, (socket, local_address): (Remotes, SocketAddr)) -> SocketAddr {
+        self.sockets.push(socket);
+        local_address
     }
 
     /// Hands out the next endpoint number.
@@ -128,16 +145,43 @@ impl Hub {
 
     /// The next event; waits for one. Nothing is lost when the wait is abandoned.
     pub async fn next_event(&mut self) -> LinkEvent {
-        match self.events.recv().await {
-            Some(event) => event,
-            // The hub itself holds a sender, so the stream never ends while the hub lives.
-            None => std::future::pending().await,
-        }
+        poll_fn(|context| self.poll_event(context)).await
     }
 
     /// The next event if one waits.
     pub fn try_next_event(&mut self) -> Option<LinkEvent> {
-        self.events.try_recv().ok()
+        self.places().find_map(|place| {
+            let event = match self.sockets.get_mut(place) {
+                Some(socket) => socket.try_event(),
+                None => self.events.try_recv().ok(),
+            };
+            event.inspect(|_| self.first = place + 1)
+        })
+    }
+
+    fn poll_event(&mut self, context: &mut Context<'_>) -> Poll<LinkEvent> {
+        for place in self.places() {
+            let event = match self.sockets.get_mut(place) {
+                Some(socket) => socket.poll_event(context),
+                // The hub itself holds a sender, so the stream never ends while the hub lives.
+                None => match self.events.poll_recv(context) {
+                    Poll::Ready(Some(event)) => Poll::Ready(event),
+                    Poll::Ready(None) | Poll::Pending => Poll::Pending,
+                },
+            };
+            if event.is_ready() {
+                self.first = place + 1;
+                return event;
+            }
+        }
+        Poll::Pending
+    }
+
+    /// Where events come from, in the order in which it is their turn: whoever had one last comes last. The number
+    /// behind those of the sockets is that of everything else.
+    fn places(&self) -> impl Iterator<Item = usize> + use<> {
+        let (first, count) = (self.first, self.sockets.len() + 1);
+        (first..first + count).map(move |place| place % count)
     }
 
     /// Queues `data` for a peer as one write: one datagram on UDP. Never waits; when the peer does not
@@ -165,6 +209,8 @@ impl Hub {
     /// sockets and devices are closed and all tasks have ended.
     pub async fn close(mut self) {
         self.events.close();
+        // With the sockets go their peers' outboxes, whose writers then finish what waits.
+        self.sockets.clear();
         self.shared.closing.cancel();
         self.shared.tasks.close();
         self.shared.tasks.wait().await;

@@ -75,34 +75,66 @@ pub(super) struct Peer {
 impl Peer {
     /// Gives a number to the peer called `name`, for which at most `queue_bytes` may wait.
     pub(super) fn register(endpoint: &Endpoint, name: String, queue_bytes: usize) -> Self {
-        let outbox = Arc::new(Outbox::new(queue_bytes));
+        Self::with_outbox(endpoint, name, Outbox::new(queue_bytes))
+    }
+
+    /// The same for one whose writes need not wait for a task when the system takes them at once.
+    pub(super) fn register_direct(
+        endpoint: &Endpoint,
+        name: String,
+        queue_bytes: usize,
+        write: DirectWrite,
+    ) -> Self {
+        Self::with_outbox(endpoint, name, Outbox { direct: Some(write), ..Outbox::new(queue_bytes) })
+    }
+
+    fn with_outbox(endpoint: &Endpoint, name: String, outbox: Outbox) -> Self {
+        let outbox = Arc::new(outbox);
         let link = endpoint.registry.insert(Arc::clone(&outbox));
         Self { link, outbox, name, endpoint: endpoint.clone() }
     }
 
     /// Tells the hub that this peer is there; comes before any other event of it.
     pub(super) async fn announce(&self) -> Result<(), HubClosed> {
-        tracing::info!(link = self.link.0, peer = %self.name, "link up");
-        let event = LinkEvent::Up { link: self.link, endpoint: self.endpoint.id, peer: self.name.clone() };
-        self.tell(event).await
+        self.tell(self.up()).await
     }
 
     /// Hands bytes from the peer to the hub; waits while the hub has too many events to take.
     pub(super) async fn received(&self, data: &[u8], datagram: bool) -> Result<(), HubClosed> {
-        if data.is_empty() {
-            return Ok(());
+        match self.bytes(data, datagram) {
+            Some(event) => self.tell(event).await,
+            None => Ok(()),
         }
-        self.outbox.count_received(data.len());
-        self.tell(LinkEvent::Bytes { link: self.link, data: data.to_vec(), datagram }).await
     }
 
     /// Tells the hub that this peer is gone; its last event. Writes that still wait are lost.
     pub(super) async fn leave(self, reason: String) -> Result<(), HubClosed> {
+        let event = self.down(reason);
+        self.tell(event).await
+    }
+
+    /// This peer is there; comes before any other event of it.
+    pub(super) fn up(&self) -> LinkEvent {
+        tracing::debug!(link = self.link.0, peer = %self.name, "link up");
+        LinkEvent::Up { link: self.link, endpoint: self.endpoint.id, peer: self.name.clone() }
+    }
+
+    /// Bytes have come from the peer; no event when there are none.
+    pub(super) fn bytes(&self, data: &[u8], datagram: bool) -> Option<LinkEvent> {
+        if data.is_empty() {
+            return None;
+        }
+        self.outbox.count_received(data.len());
+        Some(LinkEvent::Bytes { link: self.link, data: data.to_vec(), datagram })
+    }
+
+    /// This peer is gone; its last event. Writes that still wait are lost.
+    pub(super) fn down(&self, reason: String) -> LinkEvent {
         self.endpoint.registry.remove(self.link);
         self.outbox.discard();
         let traffic = self.outbox.traffic();
-        tracing::info!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
-        self.tell(LinkEvent::Down { link: self.link, reason }).await
+        tracing::debug!(link = self.link.0, peer = %self.name, %reason, ?traffic, "link down");
+        LinkEvent::Down { link: self.link, reason }
     }
 
     async fn tell(&self, event: LinkEvent) -> Result<(), HubClosed> {
@@ -117,18 +149,23 @@ impl Drop for Peer {
     }
 }
 
+/// One write without waiting; true when the system has taken it whole.
+pub(super) type DirectWrite = Box<dyn Fn(&[u8]) -> bool + Send + Sync>;
+
 /// Writes that wait for one peer, the oldest first, bounded in bytes.
-#[derive(Debug)]
 pub(super) struct Outbox {
     waiting: Mutex<Waiting>,
     changed: Notify,
     limit_bytes: usize,
+    direct: Option<DirectWrite>,
 }
 
 #[derive(Debug, Default)]
 struct Waiting {
     writes: VecDeque<Vec<u8>>,
     bytes: usize,
+    /// One has been taken out and may not have left yet: nothing may overtake it.
+    under_way: bool,
     closed: bool,
     traffic: Traffic,
 }
@@ -145,10 +182,10 @@ impl Waiting {
 
 impl Outbox {
     fn new(limit_bytes: usize) -> Self {
-        Self { waiting: Mutex::default(), changed: Notify::new(), limit_bytes }
+        Self { waiting: Mutex::default(), changed: Notify::new(), limit_bytes, direct: None }
     }
 
-    /// Queues one write, at the price of the oldest ones where there is no room; a write larger than the
+    /// Writes at once where that is possible. Otherwise queues the write, at the price of the oldest ones where there is no room; a write larger than the
     /// whole queue still waits, alone. False when the outbox is closed.
     pub(super) fn push(&self, data: &[u8]) -> bool {
         let mut waiting = lock(&self.waiting);
@@ -156,6 +193,11 @@ impl Outbox {
             return false;
         }
         if data.is_empty() {
+            return true;
+        }
+        let is_next = waiting.writes.is_empty() && !waiting.under_way;
+        if is_next && self.direct.as_ref().is_some_and(|write| write(data)) {
+            waiting.traffic.sent_bytes += data.len() as u64;
             return true;
         }
         while waiting.bytes + data.len() > self.limit_bytes && !waiting.writes.is_empty() {
@@ -173,8 +215,10 @@ impl Outbox {
         loop {
             {
                 let mut waiting = lock(&self.waiting);
+                waiting.under_way = false;
                 if let Some(write) = waiting.writes.pop_front() {
                     waiting.bytes -= write.len();
+                    waiting.under_way = true;
                     return Some(write);
                 }
                 if waiting.closed {
@@ -220,6 +264,12 @@ impl Outbox {
     }
 }
 
+impl std::fmt::Debug for Outbox {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Outbox").field("waiting", &self.waiting).finish_non_exhaustive()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,6 +295,34 @@ mod tests {
         assert_eq!(outbox.next().await.map(|write| write.len()), Some(25));
         outbox.push(b"small");
         assert_eq!(outbox.next().await.map(|write| write.len()), Some(5));
+    }
+
+    #[tokio::test]
+    async fn a_direct_write_never_overtakes_one_that_waits() {
+        use std::sync::atomic::AtomicBool;
+        let (free, direct) = (Arc::new(AtomicBool::new(true)), Arc::new(Mutex::new(Vec::new())));
+        let write: DirectWrite = Box::new({
+            let (free, direct) = (Arc::clone(&free), Arc::clone(&direct));
+            move |data| {
+                let taken = free.load(Ordering::Relaxed);
+                lock(&direct).extend(taken.then(|| data.to_vec()));
+                taken
+            }
+        });
+        let outbox = Outbox { direct: Some(write), ..Outbox::new(100) };
+        outbox.push(b"first");
+        free.store(false, Ordering::Relaxed);
+        outbox.push(b"second");
+        free.store(true, Ordering::Relaxed);
+        outbox.push(b"third");
+        assert_eq!(outbox.next().await.as_deref(), Some(&b"second"[..]));
+        assert_eq!(outbox.next().await.as_deref(), Some(&b"third"[..]));
+        outbox.push(b"fourth");
+        assert_eq!(*lock(&direct), [b"first"]);
+        outbox.close();
+        assert_eq!(outbox.next().await.as_deref(), Some(&b"fourth"[..]));
+        assert_eq!(outbox.next().await, None);
+        assert_eq!(outbox.traffic().sent_bytes, 5);
     }
 
     #[tokio::test]

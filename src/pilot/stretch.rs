@@ -16,9 +16,10 @@ pub(super) struct Stretch {
     pub(super) path: Path,
     /// Index of the mission's waypoint at which the stretch ends.
     pub(super) last: usize,
-    /// Path point i is waypoint `first_waypoint + i`, minus one where the path starts at the boat.
+    /// Path point i is waypoint `first_waypoint + i`, minus the points before it.
     first_waypoint: usize,
-    starts_at_boat: bool,
+    /// Points of the path before its first waypoint.
+    lead_count: usize,
     /// Arc length at which it is complete, metres.
     complete_m: f64,
     /// The boat goes stern first.
@@ -26,13 +27,14 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// From `position` through `waypoints` from `first` to the next stop or circle; none when the boat is at that
-    /// stop already.
+    /// From a boat at `position`, by the points of `lead`, through `waypoints` from `first` to the next stop or circle;
+    /// none when the boat is at that stop already.
     ///
     /// # Errors
     /// No path can be laid.
     pub(super) fn from(
         position: NorthEast,
+        lead: &[NorthEast],
         first: usize,
         waypoints: &[Waypoint],
         places: &[NorthEast],
@@ -51,7 +53,8 @@ impl Stretch {
             };
             let next = (!waypoints[last].is_stop()).then(|| places.get(last + 1).copied()).flatten();
             let is_there = last > first && (places[first] - position).norm() < AT_WAYPOINT_M;
-            let points = path_points(position, is_there, &places[first..last]);
+            let lead = if is_there { &[] } else { lead };
+            let points = [lead, &places[first..last]].concat();
             match Path::around(&points, &orbit, next, limits) {
                 Err(PathError::InCircle(_)) if last > first => last -= 1,
                 path => {
@@ -59,15 +62,8 @@ impl Stretch {
                     // Where the path goes on after the circle, the boat passes its end at speed.
                     let early_m = if next.is_some() { 0.0 } else { ARRIVAL_M };
                     let complete_m = path.waypoint_s_m(points.len()) - early_m;
-                    let starts_at_boat = !is_there;
-                    return Ok(Some(Self {
-                        path,
-                        last,
-                        first_waypoint: first,
-                        starts_at_boat,
-                        complete_m,
-                        astern,
-                    }));
+                    let (first_waypoint, lead_count) = (first, lead.len());
+                    return Ok(Some(Self { path, last, first_waypoint, lead_count, complete_m, astern }));
                 }
             }
         }
@@ -75,9 +71,11 @@ impl Stretch {
         if is_there && first == last {
             return Ok(None);
         }
-        let path = Path::through(&path_points(position, is_there, &places[first..=last]), limits)?;
+        let lead = if is_there { &[] } else { lead };
+        let path = Path::through(&[lead, &places[first..=last]].concat(), limits)?;
         let complete_m = path.length_m() - ARRIVAL_M;
-        Ok(Some(Self { path, last, first_waypoint: first, starts_at_boat: !is_there, complete_m, astern }))
+        let (first_waypoint, lead_count) = (first, lead.len());
+        Ok(Some(Self { path, last, first_waypoint, lead_count, complete_m, astern }))
     }
 
     /// Whether a boat at this arc length has come to its end.
@@ -87,7 +85,21 @@ impl Stretch {
 
     /// The path's number of the mission's waypoint `index`.
     pub(super) fn point_index(&self, index: usize) -> usize {
-        index.saturating_sub(self.first_waypoint) + usize::from(self.starts_at_boat)
+        index.saturating_sub(self.first_waypoint) + self.lead_count
+    }
+
+    /// The leg of the mission at this arc length, for a boat under way to waypoint `next`: i for the one from waypoint i
+    /// on, none before the first. It changes where the path leaves the leg before, even if its waypoint has counted as
+    /// reached earlier.
+    pub(super) fn leg_at(&self, place_m: f64, next: usize) -> Option<usize> {
+        let has_left = |index: usize| place_m >= self.path.leaving_s_m(self.point_index(index));
+        if has_left(next) {
+            Some(next)
+        } else if next > self.first_waypoint && !has_left(next - 1) {
+            next.checked_sub(2)
+        } else {
+            next.checked_sub(1)
+        }
     }
 
     /// Arc length at which the boat is abeam of the mission's waypoint `index`.
@@ -99,20 +111,17 @@ impl Stretch {
     pub(super) fn progress_near(&self, position: NorthEast, next: usize) -> f64 {
         let end_m = self.arc_length_m(next.max(self.first_waypoint));
         let start_m = if next > self.first_waypoint { self.arc_length_m(next - 1) } else { 0.0 };
-        self.path.project(position, 0.5 * (start_m + end_m)).clamp(start_m, end_m)
+        let middle_m = 0.5 * (start_m + end_m);
+        self.path.project_within(position, middle_m, end_m - start_m).clamp(start_m, end_m)
+    }
+
+    /// Distance of a position from the path at an arc length, metres.
+    pub(super) fn distance_m(&self, position: NorthEast, place_m: f64) -> f64 {
+        (position - self.path.point(place_m).position).norm()
     }
 
     /// Distance still to go to its end, metres.
     pub(super) fn to_go_m(&self, place_m: f64) -> f64 {
         (self.arc_length_m(self.last) - place_m).max(0.0)
     }
-}
-
-fn path_points(position: NorthEast, is_there: bool, places: &[NorthEast]) -> Vec<NorthEast> {
-    let mut points = Vec::with_capacity(places.len() + 1);
-    if !is_there {
-        points.push(position);
-    }
-    points.extend_from_slice(places);
-    points
 }

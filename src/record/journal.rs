@@ -96,6 +96,11 @@ impl Journal {
         self.call(now, Call::LinkUp(link));
     }
 
+    /// A peer that is no flight controller has appeared.
+    pub fn station_up(&mut self, now: Duration, link: LinkId) {
+        self.call(now, Call::StationUp(link));
+    }
+
     /// A peer has gone.
     pub fn link_down(&mut self, now: Duration, link: LinkId) {
         self.call(now, Call::LinkDown(link));
@@ -118,6 +123,12 @@ impl Journal {
     pub fn request(&mut self, now: Duration, request: &impl serde::Serialize) {
         let text = serde_json::to_vec(request).unwrap_or_default();
         self.call(now, Call::Request(text));
+    }
+
+    /// How the bridge's process is.
+    pub fn health(&mut self, now: Duration, health: &impl serde::Serialize) {
+        let text = serde_json::to_vec(health).unwrap_or_default();
+        self.call(now, Call::Health(text));
     }
 
     /// The log can no longer be written, or can again.

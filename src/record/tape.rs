@@ -25,8 +25,10 @@ pub enum Entry {
 /// What was asked of the bridge.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Call {
-    /// A peer has appeared.
+    /// A peer at the flight controller's end has appeared.
     LinkUp(LinkId),
+    /// A peer that is no flight controller has appeared.
+    StationUp(LinkId),
     /// A peer has gone.
     LinkDown(LinkId),
     /// The next so many bytes of this link's stream have arrived.
@@ -37,6 +39,8 @@ pub enum Call {
     Tick,
     /// The user asks something, in JSON.
     Request(Vec<u8>),
+    /// How the bridge's process is, in JSON.
+    Health(Vec<u8>),
     /// The log can no longer be written (1), or can again (0).
     RecordingFailed(u64),
 }
@@ -53,6 +57,8 @@ const DATAGRAM: u8 = 19;
 const TICK: u8 = 20;
 const REQUEST: u8 = 21;
 const RECORDING_FAILED: u8 = 22;
+const STATION_UP: u8 = 23;
+const HEALTH: u8 = 24;
 
 /// Noise and requests longer than this are cut into several entries or refused, so that an entry fits in a TUNNEL.
 pub const MAX_TEXT: usize = 96;
@@ -64,11 +70,13 @@ impl Entry {
             Self::Call(since_ns, call) => {
                 let (kind, numbers, text): (u8, [Option<u64>; 2], &[u8]) = match call {
                     Call::LinkUp(link) => (LINK_UP, [Some(link.0.into()), None], &[]),
+                    Call::StationUp(link) => (STATION_UP, [Some(link.0.into()), None], &[]),
                     Call::LinkDown(link) => (LINK_DOWN, [Some(link.0.into()), None], &[]),
                     Call::Bytes(link, count) => (BYTES, [Some(link.0.into()), Some(*count)], &[]),
                     Call::Datagram(link, count) => (DATAGRAM, [Some(link.0.into()), Some(*count)], &[]),
                     Call::Tick => (TICK, [None, None], &[]),
                     Call::Request(text) => (REQUEST, [Some(text.len() as u64), None], text),
+                    Call::Health(text) => (HEALTH, [Some(text.len() as u64), None], text),
                     Call::RecordingFailed(failed) => (RECORDING_FAILED, [Some(*failed), None], &[]),
                 };
                 out.push(kind);
@@ -103,11 +111,13 @@ impl Entry {
                 let since_ns = read_number(tape)?;
                 let call = match kind {
                     LINK_UP => Call::LinkUp(read_link(tape)?),
+                    STATION_UP => Call::StationUp(read_link(tape)?),
                     LINK_DOWN => Call::LinkDown(read_link(tape)?),
                     BYTES => Call::Bytes(read_link(tape)?, read_number(tape)?),
                     DATAGRAM => Call::Datagram(read_link(tape)?, read_number(tape)?),
                     TICK => Call::Tick,
                     REQUEST => Call::Request(read_text(tape)?),
+                    HEALTH => Call::Health(read_text(tape)?),
                     RECORDING_FAILED => Call::RecordingFailed(read_number(tape)?),
                     _ => return None,
                 };

@@ -25,11 +25,13 @@ fn any_entry() -> impl Strategy<Value = Entry> {
     let text = proptest::collection::vec(any::<u8>(), 0..tape::MAX_TEXT);
     let call = prop_oneof![
         link.clone().prop_map(Call::LinkUp),
+        link.clone().prop_map(Call::StationUp),
         link.clone().prop_map(Call::LinkDown),
         (link.clone(), any::<u64>()).prop_map(|(link, count)| Call::Bytes(link, count)),
         (link.clone(), any::<u64>()).prop_map(|(link, count)| Call::Datagram(link, count)),
         Just(Call::Tick),
         text.clone().prop_map(Call::Request),
+        text.clone().prop_map(Call::Health),
         any::<u64>().prop_map(Call::RecordingFailed),
     ];
     prop_oneof![

@@ -1,6 +1,7 @@
 //! Missions out of the traffic of a log: uploads to the vehicle and downloads from it.
 
 use helmlink_mission::plan::{Item, Mission};
+use helmlink_mission::protocol::MissionType;
 use helmlink_wire::{Identity, Message, enums};
 
 /// A mission that was transferred while the log was made.
@@ -25,6 +26,7 @@ struct Transfer {
 #[derive(Debug)]
 pub struct MissionListener {
     vehicle_system: u8,
+    kind: MissionType,
     transfers: Vec<Transfer>,
 }
 
@@ -34,33 +36,33 @@ const MOST_TRANSFERS: usize = 16;
 impl MissionListener {
     /// Listens to the missions of this vehicle.
     pub fn new(vehicle_system: u8) -> Self {
-        Self { vehicle_system, transfers: Vec::new() }
+        Self::of(MissionType::Mission, vehicle_system)
+    }
+
+    /// Listens to the plans of one kind of this vehicle; a fence or rally points come as items without home.
+    pub fn of(kind: MissionType, vehicle_system: u8) -> Self {
+        Self { vehicle_system, kind, transfers: Vec::new() }
     }
 
     /// Takes one message; the mission whose transfer it completes.
     pub fn on_message(&mut self, time_us: u64, from: Identity, message: &Message) -> Option<Transferred> {
+        let kind = self.kind.to_wire();
         let concerns_us = |target: u8| from.system == self.vehicle_system || target == self.vehicle_system;
         match message {
-            Message::MISSION_COUNT(data)
-                if data.mission_type == enums::MAV_MISSION_TYPE_MISSION
-                    && concerns_us(data.target_system) =>
-            {
+            Message::MISSION_COUNT(data) if data.mission_type == kind && concerns_us(data.target_system) => {
                 self.transfers.retain(|transfer| transfer.from != from);
                 if self.transfers.len() < MOST_TRANSFERS {
                     self.transfers.push(Transfer { from, items: vec![None; usize::from(data.count)] });
                 }
                 None
             }
-            Message::MISSION_ITEM_INT(data) if data.mission_type == enums::MAV_MISSION_TYPE_MISSION => {
+            Message::MISSION_ITEM_INT(data) if data.mission_type == kind => {
                 self.take_item(time_us, from, data.seq, Item::from_int_message(data))
             }
-            Message::MISSION_ITEM(data) if data.mission_type == enums::MAV_MISSION_TYPE_MISSION => {
+            Message::MISSION_ITEM(data) if data.mission_type == kind => {
                 self.take_item(time_us, from, data.seq, Item::from_float_message(data))
             }
-            Message::MISSION_ACK(data)
-                if from.system == self.vehicle_system
-                    && data.mission_type == enums::MAV_MISSION_TYPE_MISSION =>
-            {
+            Message::MISSION_ACK(data) if from.system == self.vehicle_system && data.mission_type == kind => {
                 self.take_answer(time_us, data.mavtype)
             }
             _ => None,
@@ -73,7 +75,7 @@ impl MissionListener {
         // What the vehicle tells is what it has; what it is told it must first accept.
         let is_whole = self.transfers[at].items.iter().all(Option::is_some);
         (is_whole && from.system == self.vehicle_system)
-            .then(|| finished(time_us, self.transfers.swap_remove(at)))
+            .then(|| finished(time_us, self.kind, self.transfers.swap_remove(at)))
             .flatten()
     }
 
@@ -87,15 +89,15 @@ impl MissionListener {
         let transfer = self.transfers.swap_remove(at);
         let is_accepted = result == enums::MAV_MISSION_ACCEPTED;
         (is_accepted && transfer.items.iter().all(Option::is_some))
-            .then(|| finished(time_us, transfer))
+            .then(|| finished(time_us, self.kind, transfer))
             .flatten()
     }
 }
 
-fn finished(time_us: u64, transfer: Transfer) -> Option<Transferred> {
+fn finished(time_us: u64, kind: MissionType, transfer: Transfer) -> Option<Transferred> {
     let mut items = transfer.items.into_iter().flatten();
-    let home = items.next()?;
-    let mission = Mission { home: home.position(), items: items.collect() };
+    let home = if kind == MissionType::Mission { items.next()?.position() } else { None };
+    let mission = Mission { home, items: items.collect() };
     // An erased mission, or home alone, is nothing to drive.
     (!mission.items.is_empty()).then_some(Transferred { time_us, from: transfer.from, mission })
 }

@@ -2,13 +2,21 @@
 
 use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 
+use super::scan::Scan;
+use super::thinned::Thinned;
 use super::what_if::{Moment, Sink, WhatIf};
-use crate::report::{Curve, Panel, Run, TrackPoint};
+use crate::report::{Curve, FenceArea, Panel, Run, TrackPoint};
 
 /// Spacing of the points that show a smooth path, metres.
 const PATH_SPACING_M: f64 = 0.5;
 /// Vehicle time between two points of the track, seconds.
 const POINT_S: f64 = 0.1;
+/// Points of the track kept, of the commands as many; a log longer than an hour or two is thinned.
+const MOST_POINTS: usize = 60_000;
+/// Points of smooth paths kept.
+const MOST_PATH_POINTS: usize = 200_000;
+/// Events kept.
+const MOST_EVENTS: usize = 10_000;
 
 /// Whose commands are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,17 +27,22 @@ pub enum Side {
     Replayed,
 }
 
-/// Collects what a report needs. Its size grows with the vehicle time of the log, not with its bytes.
+/// A place of the track.
+type Place = (Geodetic, TrackPoint);
+/// Time, then steering and throttle recorded and replayed.
+type Commands = (f64, [f64; 2], [f64; 2]);
+
+/// Collects what a report needs, in bounded memory however long the log is.
 #[derive(Debug)]
 pub struct PictureSink {
     side: Side,
-    track: Vec<(Geodetic, TrackPoint)>,
+    track: Thinned<Place>,
     path: Vec<Geodetic>,
     stretches: usize,
     events: Vec<(f64, String)>,
     start_s: Option<f64>,
-    /// Steering and throttle of both sides, for a comparison: time, recorded, replayed.
-    commands: Vec<(f64, [f64; 2], [f64; 2])>,
+    /// Steering and throttle of both sides, for a comparison.
+    commands: Thinned<Commands>,
 }
 
 impl PictureSink {
@@ -37,12 +50,26 @@ impl PictureSink {
     pub fn new(side: Side) -> Self {
         Self {
             side,
-            track: Vec::new(),
+            track: Thinned::new(
+                MOST_POINTS,
+                |(_, point)| point.time_s,
+                &[
+                    |(place, _)| place.latitude_deg,
+                    |(place, _)| place.longitude_deg,
+                    |(_, point)| point.cross_track_m,
+                    |(_, point)| point.speed_mps,
+                    |(_, point)| point.steering,
+                ],
+            ),
             path: Vec::new(),
             stretches: 0,
             events: Vec::new(),
             start_s: None,
-            commands: Vec::new(),
+            commands: Thinned::new(
+                MOST_POINTS,
+                |(time_s, ..)| *time_s,
+                &[|(_, recorded, _)| recorded[0], |(.., replayed)| replayed[0], |(.., replayed)| replayed[1]],
+            ),
         }
     }
 
@@ -54,15 +81,18 @@ impl PictureSink {
         };
         let Some(frame) = what_if.frame() else { return };
         self.stretches = stretches;
+        if self.path.len() > MOST_PATH_POINTS {
+            return;
+        }
         let count = (path.length_m() / PATH_SPACING_M).ceil().max(1.0);
         let points = (0..=count as usize)
             .map(|index| frame.to_geodetic(path.point(path.length_m() * index as f64 / count).position));
         self.path.extend(points);
     }
 
-    /// The run, still without title and figures.
-    pub fn to_run(&self, what_if: &WhatIf) -> Run {
-        let origin = self.track.first().map(|(place, _)| LocalFrame::new(*place));
+    /// The run with the fence and the rally points of the log, still without title and figures.
+    pub fn to_run(&self, what_if: &WhatIf, scan: &Scan) -> Run {
+        let origin = self.track.iter().next().map(|(place, _)| LocalFrame::new(*place));
         let Some(frame) = what_if.frame().copied().or(origin) else { return Run::default() };
         let start_s = self.start_s.unwrap_or_default();
         let track = self.track.iter().map(|(place, point)| TrackPoint {
@@ -73,6 +103,8 @@ impl PictureSink {
         Run {
             mission: what_if.waypoints(),
             path: self.path.iter().map(|place| frame.to_local(*place)).collect(),
+            fence: FenceArea::all_of(&scan.fence, &frame),
+            rally: scan.rally.iter().map(|rally| frame.to_local(rally.position)).collect(),
             track: track.collect(),
             events: self
                 .events
@@ -101,12 +133,6 @@ impl PictureSink {
                 ],
             })
             .collect()
-    }
-
-    /// The replayed commands over time: time from the start, steering, throttle.
-    pub fn replayed(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
-        let start_s = self.start_s.unwrap_or_default();
-        self.commands.iter().map(move |(time_s, _, replayed)| (time_s - start_s, *replayed))
     }
 }
 
@@ -150,6 +176,8 @@ impl Sink for PictureSink {
     fn command(&mut self, _time_us: u64, _frame: &[u8]) {}
 
     fn event(&mut self, time_s: f64, text: &str) {
-        self.events.push((time_s, text.to_owned()));
+        if self.events.len() < MOST_EVENTS {
+            self.events.push((time_s, text.to_owned()));
+        }
     }
 }

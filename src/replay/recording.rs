@@ -8,7 +8,7 @@ use helmlink_wire::dialect::TUNNEL_DATA;
 use helmlink_wire::tlog::TlogReader;
 use helmlink_wire::{Frame, LinkId, LinkStatistics, Message};
 
-use crate::bridge::Bridge;
+use crate::bridge::{Bridge, Health};
 use crate::pilot::supervisor::Request;
 use crate::record::journal::BATCH_HEAD;
 use crate::record::settings::HeaderParts;
@@ -34,10 +34,12 @@ pub enum Played {
 }
 
 /// A call of a bridge.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Input {
     /// [`Bridge::link_up`].
     LinkUp(LinkId),
+    /// [`Bridge::station_link_up`].
+    StationUp(LinkId),
     /// [`Bridge::link_down`].
     LinkDown(LinkId),
     /// [`Bridge::on_bytes`]: link, bytes, whether they are a datagram.
@@ -46,6 +48,8 @@ pub enum Input {
     Tick,
     /// [`Bridge::request`].
     Request(Request),
+    /// [`Bridge::set_health`].
+    Health(Health),
     /// [`Bridge::set_recording_failed`].
     RecordingFailed(bool),
 }
@@ -55,10 +59,12 @@ impl Input {
     pub fn apply(&self, now: Duration, bridge: &mut Bridge) {
         match self {
             Self::LinkUp(link) => bridge.link_up(now, *link),
+            Self::StationUp(link) => bridge.station_link_up(now, *link),
             Self::LinkDown(link) => bridge.link_down(now, *link),
             Self::Bytes(link, bytes, is_datagram) => bridge.on_bytes(now, *link, bytes, *is_datagram),
             Self::Tick => bridge.on_tick(now),
             Self::Request(request) => drop(bridge.request(now, *request)),
+            Self::Health(health) => bridge.set_health(now, *health),
             Self::RecordingFailed(failed) => bridge.set_recording_failed(now, *failed),
         }
     }
@@ -185,11 +191,15 @@ impl<R: Read> Recording<R> {
         };
         let input = match call {
             Call::LinkUp(link) => Input::LinkUp(link),
+            Call::StationUp(link) => Input::StationUp(link),
             Call::LinkDown(link) => Input::LinkDown(link),
             Call::Bytes(link, count) => Input::Bytes(link, self.take_bytes(link, count), false),
             Call::Datagram(link, count) => Input::Bytes(link, self.take_bytes(link, count), true),
             Call::Tick => Input::Tick,
             Call::RecordingFailed(failed) => Input::RecordingFailed(failed != 0),
+            Call::Health(text) => {
+                Input::Health(serde_json::from_slice(&text).map_err(|_| RecordingError::Unknown)?)
+            }
             Call::Request(text) => {
                 Input::Request(serde_json::from_slice(&text).map_err(|_| RecordingError::Unknown)?)
             }

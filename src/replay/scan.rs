@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
+use helmlink_mission::plan::{Fence, RallyPoint};
+use helmlink_mission::protocol::MissionType;
 use helmlink_wire::dialect::PARAM_VALUE_DATA;
 use helmlink_wire::tlog::TlogReader;
 use helmlink_wire::{Identity, LinkStatistics, Message};
@@ -60,6 +62,10 @@ pub struct Scan {
     pub vehicles: BTreeMap<Identity, VehicleSummary>,
     /// Missions transferred, in order, of the vehicle chosen.
     pub missions: Vec<Transferred>,
+    /// The fence of the same vehicle, as it was transferred last.
+    pub fence: Fence,
+    /// Its rally points.
+    pub rally: Vec<RallyPoint>,
     /// The last value of the parameters that the outputs depend on.
     pub parameters: Vec<PARAM_VALUE_DATA>,
     /// What stands at the head of a recording of helmlink's.
@@ -78,8 +84,8 @@ impl Scan {
     pub fn of(source: impl Read) -> io::Result<Self> {
         let mut reader = TlogReader::new(source);
         let (mut scan, mut parts) = (Self::default(), HeaderParts::default());
-        let mut listeners: BTreeMap<u8, MissionListener> = BTreeMap::new();
-        let mut missions: Vec<(u8, Transferred)> = Vec::new();
+        let mut listeners: BTreeMap<u8, [MissionListener; 3]> = BTreeMap::new();
+        let mut plans: Vec<(u8, MissionType, Transferred)> = Vec::new();
         let mut previous_us = 0;
         while let Some(record) = reader.next_record()? {
             let (time_us, from) = (record.time_us, record.frame.identity());
@@ -90,20 +96,36 @@ impl Scan {
                 continue;
             }
             scan.on_message(time_us, from, &message);
-            for (system, listener) in &mut listeners {
-                if let Some(transferred) = listener.on_message(time_us, from, &message) {
-                    missions.push((*system, transferred));
+            for (system, listeners) in &mut listeners {
+                for (kind, listener) in MissionType::ALL.into_iter().zip(listeners) {
+                    if let Some(transferred) = listener.on_message(time_us, from, &message) {
+                        plans.push((*system, kind, transferred));
+                    }
                 }
             }
             if scan.vehicles.contains_key(&from) {
-                listeners.entry(from.system).or_insert_with(|| MissionListener::new(from.system));
+                let listen = |kind| MissionListener::of(kind, from.system);
+                listeners.entry(from.system).or_insert_with(|| MissionType::ALL.map(listen));
             }
         }
         scan.statistics = *reader.statistics();
         let system = scan.vehicle(None).map(|vehicle| vehicle.system);
-        scan.missions =
-            missions.into_iter().filter(|(of, _)| Some(*of) == system).map(|(_, mission)| mission).collect();
+        for (_, kind, transferred) in plans.into_iter().filter(|(of, ..)| Some(*of) == system) {
+            scan.on_plan(kind, transferred);
+        }
         Ok(scan)
+    }
+
+    /// A plan of the vehicle chosen. Fences and rally points that make no sense are not drawn.
+    fn on_plan(&mut self, kind: MissionType, transferred: Transferred) {
+        let items = &transferred.mission.items;
+        match kind {
+            MissionType::Mission => self.missions.push(transferred),
+            MissionType::Fence => self.fence = Fence::from_items(items).unwrap_or_default(),
+            MissionType::Rally => {
+                self.rally = items.iter().filter_map(|item| RallyPoint::from_item(item).ok()).collect();
+            }
+        }
     }
 
     fn on_stamp(&mut self, time_us: u64, previous_us: &mut u64) {

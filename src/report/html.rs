@@ -26,7 +26,9 @@ body{margin:0 auto;padding:1rem;max-width:1400px;background:var(--paper);color:v
 font:15px/1.45 Inter,'Helvetica Neue',Helvetica,Arial,sans-serif}
 h1{font-size:1.45rem;margin:.2rem 0}h2{font-size:1.05rem;margin:1.4rem 0 .4rem}
 p{margin:.1rem 0;color:var(--muted)}svg{display:block;width:100%;height:auto}
-.map{max-width:900px}.charts{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr))}
+.map{max-width:900px}
+@media(min-width:1000px){.overview{display:grid;gap:0 2rem;grid-template-columns:minmax(0,3fr) minmax(0,2fr)}.map{order:-1}}
+.charts{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr))}
 table{border-collapse:collapse;width:100%;max-width:900px}
 td{padding:.25rem .5rem .25rem 0;border-bottom:1px solid var(--rule);vertical-align:top;overflow-wrap:anywhere}
 td:first-child{color:var(--muted)}.events td:first-child{white-space:nowrap;text-align:right;width:6rem}
@@ -48,14 +50,19 @@ pub fn report_html(run: &Run, files: &[(&str, &str)]) -> String {
     for line in &run.subtitle {
         let _ = writeln!(page, "<p>{}</p>", escaped(line));
     }
+    // Beside each other where there is room, the figures first where there is not.
+    page.push_str("<div class=\"overview\">\n<div>\n");
     table(&mut page, "Figures", "figures", run.figures.iter().cloned());
-    page.push_str("<h2>Track over mission</h2>\n<div class=\"map\">\n");
+    page.push_str("</div>\n<div class=\"map\">\n<h2>Track over mission</h2>\n");
     page.push_str(&map_svg(run));
-    page.push_str("</div>\n<h2>Over time</h2>\n<div class=\"charts\">\n");
-    for chart in charts::page_charts(run, CHART_WIDTH, CHART_HEIGHT) {
-        page.push_str(&chart);
+    page.push_str("</div>\n</div>\n");
+    if !run.track.is_empty() {
+        page.push_str("<h2>Over time</h2>\n<div class=\"charts\">\n");
+        for chart in charts::page_charts(run, CHART_WIDTH, CHART_HEIGHT) {
+            page.push_str(&chart);
+        }
+        page.push_str("</div>\n");
     }
-    page.push_str("</div>\n");
     let axis = TimeAxis::of(run);
     let mut events: Vec<&(f64, String)> =
         run.events.iter().filter(|(time_s, _)| super::is_reading(*time_s)).collect();

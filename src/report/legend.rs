@@ -14,6 +14,8 @@ const CLASSES: usize = theme::ERROR_COLOURS.len() - 1;
 const COVERED: f64 = 0.95;
 /// Width of one colour in the legend, pixels.
 const SWATCH_PX: f64 = 42.0;
+/// Height for all lines of the legend where they are many, pixels.
+const ROWS_PX: f64 = 52.0;
 /// Currents and winds slower than this have no direction worth drawing, m/s.
 const CALM_MPS: f64 = 0.005;
 
@@ -53,7 +55,9 @@ impl ErrorScale {
 /// Draws the strip: error colours, then lines, then the arrows of current and wind.
 pub(super) fn draw(svg: &mut Svg, run: &Run, scale: &ErrorScale, area: Area) {
     let top_left = Point::new(area.left + 40.0, area.top + 14.0);
-    error_colours(svg, scale, top_left);
+    if !run.track.is_empty() {
+        error_colours(svg, scale, top_left);
+    }
     lines(svg, run, top_left.moved(256.0, 0.0));
     let flows = [("current", run.current, theme::BLUE), ("wind", run.wind, theme::INK)];
     let mut at = top_left.moved(404.0, 0.0);
@@ -88,17 +92,24 @@ fn error_colours(svg: &mut Svg, scale: &ErrorScale, at: Point) {
 }
 
 fn lines(svg: &mut Svg, run: &Run, at: Point) {
-    let mut row = at.moved(0.0, 2.0);
-    let mut key = |present: bool, style: Style, text: &str| {
+    let mut keys = Vec::new();
+    let mut key = |present: bool, style: Style, text: &'static str| {
         if present {
-            svg.line(row, row.moved(26.0, 0.0), style);
-            svg.text(row.moved(36.0, 3.5), text, theme::SMALL);
-            row = row.moved(0.0, 15.0);
+            keys.push((style, text));
         }
     };
     key(run.mission.len() > 1, theme::LEG_LINE, "mission");
     key(!run.path.is_empty(), theme::PATH_LINE, "smoothed path");
     key(!run.track.is_empty(), Style::stroked(theme::ERROR_COLOURS[0], 2.4), "driven track");
+    let has = |inclusion: bool| run.fence.iter().any(|area| area.inclusion == inclusion);
+    key(has(true), theme::KEEP_IN_LINE, "keep inside");
+    key(has(false), theme::KEEP_OUT_LINE, "keep outside");
+    let row_px = if keys.len() > 3 { ROWS_PX / keys.len() as f64 } else { 15.0 };
+    for (row, (style, text)) in keys.into_iter().enumerate() {
+        let left = at.moved(0.0, 2.0 + row_px * row as f64);
+        svg.line(left, left.moved(26.0, 0.0), style);
+        svg.text(left.moved(36.0, 3.5), text, theme::SMALL);
+    }
 }
 
 /// An arrow that points where the water or the air goes, with its speed.

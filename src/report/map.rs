@@ -36,7 +36,9 @@ impl Projection {
     pub(super) fn fitting(run: &Run, area: Area) -> Self {
         let places = || {
             let track = run.track.iter().map(|sample| sample.position);
-            run.mission.iter().chain(&run.path).copied().chain(track).filter(|place| is_plausible(*place))
+            let fence = run.fence.iter().flat_map(|area| &area.outline);
+            let given = run.mission.iter().chain(&run.path).chain(fence).chain(&run.rally);
+            given.copied().chain(track).filter(|place| is_plausible(*place))
         };
         let north = Range::covering(places().map(|place| place.north_m), LEAST_EXTENT_M);
         let east = Range::covering(places().map(|place| place.east_m), LEAST_EXTENT_M);
@@ -72,10 +74,12 @@ pub(super) fn draw(svg: &mut Svg, run: &Run, scale: &ErrorScale, outer: Area) {
     let projection = Projection::fitting(run, area);
     svg.area(area, 0.0, Style::filled(theme::WATER));
     grid(svg, &projection);
+    fence(svg, run, &projection);
     mission_and_path(svg, run, &projection);
     track(svg, run, scale, &projection);
     marks::draw(svg, run, &projection);
-    if run.mission.is_empty() && run.path.is_empty() && run.track.is_empty() {
+    if [run.mission.is_empty(), run.path.is_empty(), run.track.is_empty(), run.fence.is_empty()] == [true; 4]
+    {
         svg.text(
             area.middle(),
             "no positions",
@@ -110,6 +114,15 @@ fn grid(svg: &mut Svg, projection: &Projection) {
     svg.text(Point::new(area.right(), area.bottom() + 15.0), &format!("east, {unit}"), before);
     let inside = theme::SMALL.with_halo(theme::WATER);
     svg.text(Point::new(area.left + 7.0, area.top + 15.0), &format!("north, {unit}"), inside);
+}
+
+fn fence(svg: &mut Svg, run: &Run, projection: &Projection) {
+    for area in &run.fence {
+        let places = area.outline.iter().filter(|place| is_plausible(**place));
+        let outline: Vec<Point> = places.map(|place| projection.point(*place)).collect();
+        let style = if area.inclusion { theme::KEEP_IN_LINE } else { theme::KEEP_OUT_LINE };
+        svg.polylines([outline.as_slice()], style);
+    }
 }
 
 pub(super) fn mission_and_path(svg: &mut Svg, run: &Run, projection: &Projection) {

@@ -20,6 +20,10 @@ const HULL: &str = "M0-10C2.7-6 3.5-3 3.5 1L3 8H-3L-3.5 1C-3.5-3-2.7-6 0-10Z";
 const DIAMOND: &str = "M0-4.5L4.5 0L0 4.5L-4.5 0Z";
 const SQUARE: &str = "M-4.5-4.5H4.5V4.5H-4.5Z";
 
+/// A flag on a staff, its foot at the place.
+const FLAG: &str = "M0 0V-13L8-10L0-7";
+
+const RALLY_STYLE: Style = Style::filled(theme::PAPER).outlined(theme::BLUE, 1.4);
 const HULL_STYLE: Style = Style::filled(theme::PAPER).outlined(theme::INK, 1.1);
 const WAYPOINT_STYLE: Style = Style::filled(theme::PAPER).outlined(theme::INK, 1.4);
 const EVENT_STYLE: Style = Style::filled(theme::PAPER).outlined(theme::ORANGE, 1.6);
@@ -31,6 +35,7 @@ pub(super) fn draw(svg: &mut Svg, run: &Run, projection: &Projection) {
     boats(svg, run, projection);
     waypoints(svg, run, projection, &mut labels);
     ends(svg, run, projection, &mut labels);
+    rally(svg, run, projection, &mut labels);
     events(svg, run, projection, &mut labels);
 }
 
@@ -98,6 +103,15 @@ fn ends(svg: &mut Svg, run: &Run, projection: &Projection, labels: &mut Labels) 
     if let Some(end) = end {
         svg.shape(SQUARE, end, 0.0, END_STYLE);
         labels.put(svg, end, above, "end", lettering);
+    }
+}
+
+fn rally(svg: &mut Svg, run: &Run, projection: &Projection, labels: &mut Labels) {
+    let lettering = theme::SMALL.coloured(theme::BLUE).with_halo(theme::WATER);
+    for (number, place) in (1..).zip(&run.rally).filter(|(_, place)| is_plausible(**place)) {
+        let point = projection.point(*place);
+        svg.shape(FLAG, point, 0.0, RALLY_STYLE);
+        labels.put(svg, point, Point::new(1.0, 0.0), &format!("R{number}"), lettering);
     }
 }
 

@@ -17,6 +17,8 @@
 //!
 //! Same run, same bytes: nothing here looks at a clock, a file or a typeface.
 
+use std::f64::consts::TAU;
+
 mod charts;
 mod comparison;
 mod curves;
@@ -34,11 +36,13 @@ mod ticks;
 mod tests;
 
 pub use comparison::{ComparedTrack, comparison_svg};
-use helmlink_mission::geodesy::NorthEast;
+use helmlink_mission::geodesy::{LocalFrame, NorthEast};
+use helmlink_mission::plan::{self, Fence, Outline};
 use svg::{Area, Point, Style, Svg};
 
 pub use curves::{Curve, Panel, curves_svg};
 pub use html::report_html;
+pub(crate) use thin::keep_extremes;
 
 /// Width of the picture, pixels.
 const WIDTH: f64 = 1200.0;
@@ -68,6 +72,10 @@ pub struct Run {
     pub mission: Vec<NorthEast>,
     /// The smoothed path that the controller was given, as a polyline.
     pub path: Vec<NorthEast>,
+    /// Where the boat had to keep in or out of.
+    pub fence: Vec<FenceArea>,
+    /// Places to return to.
+    pub rally: Vec<NorthEast>,
     /// What the boat did, in order of time.
     pub track: Vec<TrackPoint>,
     /// Label and value, with unit, of every figure worth a line in the table.
@@ -79,6 +87,38 @@ pub struct Run {
     /// Velocity at which the air moves over ground, m/s: it points where the air goes, so a wind from the
     /// south has a positive north component.
     pub wind: Option<NorthEast>,
+}
+
+/// One area of a fence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FenceArea {
+    /// The boat has to stay inside; otherwise outside.
+    pub inclusion: bool,
+    /// Corners of its outline, the first one again at the end.
+    pub outline: Vec<NorthEast>,
+}
+
+impl FenceArea {
+    /// Corners of a circle.
+    const CIRCLE_CORNERS: usize = 72;
+
+    /// The areas of a fence in a local frame.
+    pub fn all_of(fence: &Fence, frame: &LocalFrame) -> Vec<Self> {
+        let outline = |outline: &Outline| match outline {
+            Outline::Polygon(corners) => {
+                corners.iter().chain(corners.first()).map(|corner| frame.to_local(*corner)).collect()
+            }
+            Outline::Circle { centre, radius_m } => {
+                let centre = frame.to_local(*centre);
+                let bearing_rad = |corner: usize| TAU * corner as f64 / Self::CIRCLE_CORNERS as f64;
+                (0..=Self::CIRCLE_CORNERS)
+                    .map(|corner| centre + NorthEast::from_polar(f64::from(*radius_m), bearing_rad(corner)))
+                    .collect()
+            }
+        };
+        let area = |area: &plan::Area| Self { inclusion: area.inclusion, outline: outline(&area.outline) };
+        fence.areas.iter().map(area).collect()
+    }
 }
 
 /// One instant of a run. A reading that is not known is NaN and is left out of its curve.
@@ -153,7 +193,8 @@ pub fn track_svg(run: &Run) -> String {
 
     let charts_height = body_height - tables_height;
     let side = Area { left: SIDE_LEFT, top: body_top, width: side_width, height: charts_height };
-    let charts_bottom = charts::draw(&mut svg, run, side);
+    // A mission that nobody has driven has nothing over time.
+    let charts_bottom = if run.track.is_empty() { body_top } else { charts::draw(&mut svg, run, side) };
     tables::draw(&mut svg, run, Point::new(SIDE_LEFT, charts_bottom), side_width);
     svg.finish()
 }

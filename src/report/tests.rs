@@ -99,8 +99,9 @@ fn read_back(svg: &str) -> Vec<String> {
 #[test]
 fn an_empty_run_is_an_empty_map() {
     let texts = read_back(&track_svg(&Run::default()));
-    assert!(texts.iter().any(|text| text == "Cross-track error"));
-    assert!(!texts.iter().any(|text| text == "Figures" || text == "Events" || text == "start"));
+    assert!(texts.iter().any(|text| text == "no positions"));
+    let of_a_run = ["Figures", "Events", "start", "Cross-track error", "distance off the path, m"];
+    assert!(!texts.iter().any(|text| of_a_run.contains(&text.as_str())), "{texts:?}");
 }
 
 #[test]
@@ -219,7 +220,19 @@ prop_compose! {
         current in prop::option::of(any_place()),
         wind in prop::option::of(any_place()),
     ) -> Run {
-        Run { title, subtitle, mission, path, track, figures, events, current, wind }
+        Run {
+            title,
+            subtitle,
+            rally: path.iter().take(3).copied().collect(),
+            fence: vec![FenceArea { inclusion: false, outline: path.clone() }],
+            mission,
+            path,
+            track,
+            figures,
+            events,
+            current,
+            wind,
+        }
     }
 }
 
@@ -247,4 +260,29 @@ fn the_page_needs_nothing_else_and_escapes_what_it_shows() {
     let addresses = page.matches("http").count() - page.matches("http://www.w3.org/2000/svg").count();
     assert_eq!(addresses, 0, "nothing is fetched");
     assert!(page.contains("href=\"log.tlog\"") && page.contains("prefers-color-scheme:dark"));
+}
+
+#[test]
+fn fence_and_rally_points_are_drawn_within_the_map() {
+    let harbour = FenceArea {
+        inclusion: true,
+        outline: [(-300.0, 0.0), (0.0, 400.0), (300.0, 0.0), (-300.0, 0.0)]
+            .map(|(north_m, east_m)| NorthEast::new(north_m, east_m))
+            .to_vec(),
+    };
+    let mut run = rough_run(10);
+    let without = track_svg(&run);
+    run.fence = vec![harbour];
+    run.rally = vec![NorthEast::new(20.0, 20.0)];
+    for picture in [track_svg(&run), report_html(&run, &[])] {
+        assert!(picture.contains("keep inside") && picture.contains(">R1<"), "{picture}");
+        assert!(!picture.contains("keep outside"));
+    }
+    assert!(!without.contains("keep inside"));
+    let area = Area { left: 0.0, top: 0.0, width: 600.0, height: 600.0 };
+    let projection = map::Projection::fitting(&run, area);
+    for corner in &run.fence[0].outline {
+        let point = projection.point(*corner);
+        assert!((0.0..=600.0).contains(&point.x) && (0.0..=600.0).contains(&point.y));
+    }
 }

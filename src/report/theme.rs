@@ -30,4 +30,6 @@ pub(super) const GRID_LINE: Style = Style::stroked(RULE, 1.0);
 pub(super) const ZERO_LINE: Style = Style::stroked("#aab4ba", 1.0);
 pub(super) const LEG_LINE: Style = Style::stroked("#4f5d68", 1.0).dashed("5 4");
 pub(super) const PATH_LINE: Style = Style::stroked("#bcd3df", 7.0);
+pub(super) const KEEP_IN_LINE: Style = Style::stroked("#009e73", 1.6).dashed("9 4");
+pub(super) const KEEP_OUT_LINE: Style = Style::stroked(ORANGE, 1.6).dashed("9 4");
 pub(super) const EVENT_LINE: Style = Style::stroked(MUTED, 0.8).dashed("1.5 3");

@@ -3,7 +3,7 @@
 /// Indices of the samples to draw, ascending: all of them where they are few, otherwise of each of `stretches`
 /// equal stretches the first sample and, for every measure, the samples where it is smallest and largest among
 /// the finite ones. The very last sample stays as well.
-pub(super) fn keep_extremes<S>(samples: &[S], stretches: usize, measures: &[fn(&S) -> f64]) -> Vec<usize> {
+pub(crate) fn keep_extremes<S>(samples: &[S], stretches: usize, measures: &[fn(&S) -> f64]) -> Vec<usize> {
     let kept_each = 1 + 2 * measures.len();
     if samples.len() <= stretches * kept_each {
         return (0..samples.len()).collect();

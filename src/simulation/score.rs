@@ -7,6 +7,8 @@ use serde::Serialize;
 const SETTLED_AFTER_S: f64 = 40.0;
 /// Samples farther than this from every waypoint count as straight, metres.
 const STRAIGHT_BEYOND_M: f64 = 10.0;
+/// Errors kept for the percentile at the most.
+const MOST_ERRORS: usize = 1 << 19;
 
 /// Root mean square, mean, 95th percentile and maximum of a set of absolute errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -94,12 +96,12 @@ pub struct Scorer {
     steering_variation: f64,
     squared_effort: f64,
     squared_speed_error: f64,
-    whole: Vec<f64>,
-    settled: Vec<f64>,
-    straight: Vec<f64>,
-    path: Vec<f64>,
-    path_straight: Vec<f64>,
-    navigation: Vec<f64>,
+    whole: Errors,
+    settled: Errors,
+    straight: Errors,
+    path: Errors,
+    path_straight: Errors,
+    navigation: Errors,
 }
 
 impl Scorer {
@@ -114,12 +116,12 @@ impl Scorer {
             steering_variation: 0.0,
             squared_effort: 0.0,
             squared_speed_error: 0.0,
-            whole: Vec::new(),
-            settled: Vec::new(),
-            straight: Vec::new(),
-            path: Vec::new(),
-            path_straight: Vec::new(),
-            navigation: Vec::new(),
+            whole: Errors::default(),
+            settled: Errors::default(),
+            straight: Errors::default(),
+            path: Errors::default(),
+            path_straight: Errors::default(),
+            navigation: Errors::default(),
         }
     }
 
@@ -141,7 +143,9 @@ impl Scorer {
         if sample.path_is_straight {
             self.path_straight.push(sample.path_error_m);
         }
-        self.navigation.extend(sample.navigation_error_m);
+        if let Some(error_m) = sample.navigation_error_m {
+            self.navigation.push(error_m);
+        }
         self.squared_effort += sample.throttle.powi(2) + sample.steering.powi(2);
         self.squared_speed_error += (sample.speed_mps - sample.wanted_speed_mps).powi(2);
         if let Some(last) = self.last {
@@ -158,16 +162,16 @@ impl Scorer {
             (Some(first), Some(last)) => last.time_s - first.time_s,
             _ => 0.0,
         };
-        let samples = self.whole.len().max(1) as f64;
+        let samples = self.whole.count.max(1) as f64;
         Score {
             duration_s,
             distance_m: self.distance_m,
-            cross_track_m: spread(&self.whole),
-            cross_track_settled_m: spread(&self.settled),
-            cross_track_straight_m: spread(&self.straight),
-            path_error_m: spread(&self.path),
-            path_error_straight_m: spread(&self.path_straight),
-            navigation_error_m: spread(&self.navigation),
+            cross_track_m: self.whole.spread(),
+            cross_track_settled_m: self.settled.spread(),
+            cross_track_straight_m: self.straight.spread(),
+            path_error_m: self.path.spread(),
+            path_error_straight_m: self.path_straight.spread(),
+            navigation_error_m: self.navigation.spread(),
             speed_error_mps: SpeedError { rms: (self.squared_speed_error / samples).sqrt() },
             steering_variation_per_min: self.steering_variation / (duration_s / 60.0).max(1.0 / 60.0),
             effort: self.squared_effort / samples,
@@ -212,20 +216,54 @@ pub fn distance_to_segment_m(point: NorthEast, from: NorthEast, to: NorthEast) -
     (point - (from + along * share)).norm()
 }
 
-fn spread(errors: &[f64]) -> Option<Spread> {
-    if errors.is_empty() {
-        return None;
+/// Absolute errors, all of them where they are fewer than [`MOST_ERRORS`]: half a day at ten a second. Of a longer run every
+/// second, fourth, … stays, for the percentile alone; the other figures are of all.
+#[derive(Debug, Clone)]
+struct Errors {
+    kept: Vec<f64>,
+    every: u64,
+    count: u64,
+    sum: f64,
+    squares: f64,
+    max: f64,
+}
+
+impl Default for Errors {
+    fn default() -> Self {
+        Self { kept: Vec::new(), every: 1, count: 0, sum: 0.0, squares: 0.0, max: 0.0 }
     }
-    let mut sorted = errors.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let count = sorted.len() as f64;
-    let rank = (0.95 * count).ceil() as usize;
-    Some(Spread {
-        rms: (sorted.iter().map(|error| error * error).sum::<f64>() / count).sqrt(),
-        mean: sorted.iter().sum::<f64>() / count,
-        p95: sorted[rank.clamp(1, sorted.len()) - 1],
-        max: sorted[sorted.len() - 1],
-    })
+}
+
+impl Errors {
+    fn push(&mut self, error: f64) {
+        if self.kept.len() >= MOST_ERRORS {
+            let mut index = 0;
+            self.kept.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.every *= 2;
+        }
+        if self.count.is_multiple_of(self.every) {
+            self.kept.push(error);
+        }
+        self.count += 1;
+        self.sum += error;
+        self.squares += error * error;
+        self.max = self.max.max(error);
+    }
+
+    fn spread(&self) -> Option<Spread> {
+        if self.kept.is_empty() {
+            return None;
+        }
+        let mut sorted = self.kept.clone();
+        let rank = (0.95 * sorted.len() as f64).ceil() as usize;
+        let rank = rank.clamp(1, sorted.len()) - 1;
+        let (_, p95, _) = sorted.select_nth_unstable_by(rank, f64::total_cmp);
+        let count = self.count as f64;
+        Some(Spread { rms: (self.squares / count).sqrt(), mean: self.sum / count, p95: *p95, max: self.max })
+    }
 }
 
 #[cfg(test)]
@@ -267,6 +305,17 @@ mod tests {
         assert!((score.steering_variation_per_min - 0.2 * 60.0).abs() < 1e-9);
         assert!((score.speed_error_mps.rms - 0.5).abs() < 1e-12);
         assert!((score.effort - 0.26).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_percentile_of_a_long_run_is_that_of_a_part_and_the_rest_is_of_all() {
+        let mut errors = Errors::default();
+        let count = 3 * MOST_ERRORS;
+        (0..count).for_each(|number| errors.push(((number * 7919) % 1000) as f64));
+        assert!(errors.kept.len() <= MOST_ERRORS);
+        let spread = errors.spread().unwrap();
+        assert!((spread.mean - 499.5).abs() < 0.01 && spread.max == 999.0, "{spread:?}");
+        assert!((spread.p95 - 949.0).abs() <= 2.0, "{spread:?}");
     }
 
     #[test]

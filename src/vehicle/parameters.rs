@@ -14,6 +14,10 @@ const ATTEMPTS: u32 = 5;
 /// Requests for a parameter that not every vehicle has, before it is no longer waited for.
 const OPTIONAL_ATTEMPTS: u32 = 2;
 
+/// A parameter on which it depends whether the boat obeys at all is read again this often: somebody may change it, and
+/// the message that says so may be lost.
+const RECHECK: Duration = Duration::from_secs(5);
+
 /// One parameter to be read.
 #[derive(Debug, Clone)]
 struct Wanted {
@@ -21,6 +25,8 @@ struct Wanted {
     value: Option<f32>,
     /// Nothing has to wait for it for long.
     optional: bool,
+    /// It is read again from time to time.
+    watched: bool,
     attempts: u32,
     last_asked: Option<Duration>,
 }
@@ -50,10 +56,18 @@ impl ParameterReader {
         self.add(names, true);
     }
 
+    /// Will read these of the parameters again every few seconds, where the vehicle has them.
+    pub fn watch(&mut self, names: &[&str]) {
+        for wanted in &mut self.wanted {
+            wanted.watched |= names.contains(&wanted.name);
+        }
+    }
+
     fn add(&mut self, names: &[&'static str], optional: bool) {
         for &name in names {
             if self.wanted.iter().all(|wanted| wanted.name != name) {
-                self.wanted.push(Wanted { name, value: None, optional, attempts: 0, last_asked: None });
+                let (value, watched, attempts, last_asked) = (None, false, 0, None);
+                self.wanted.push(Wanted { name, value, optional, watched, attempts, last_asked });
             }
         }
     }
@@ -72,10 +86,11 @@ impl ParameterReader {
     /// The next request that is due.
     pub fn poll(&mut self, now: Duration, vehicle: Identity) -> Option<Message> {
         let due = self.wanted.iter_mut().find(|wanted| {
-            let waiting = wanted.last_asked.is_some_and(|then| now.saturating_sub(then) < TIMEOUT);
-            wanted.value.is_none() && wanted.attempts < ATTEMPTS && !waiting
+            let asked_within = |limit| wanted.last_asked.is_some_and(|then| now.saturating_sub(then) < limit);
+            let is_missing = wanted.value.is_none() && wanted.attempts < ATTEMPTS && !asked_within(TIMEOUT);
+            is_missing || (wanted.watched && !asked_within(RECHECK))
         })?;
-        due.attempts += 1;
+        due.attempts = due.attempts.saturating_add(1);
         due.last_asked = Some(now);
         Some(Message::PARAM_REQUEST_READ(PARAM_REQUEST_READ_DATA {
             target_system: vehicle.system,
@@ -98,10 +113,10 @@ impl ParameterReader {
         self.wanted.iter().find(|wanted| wanted.name == name).and_then(|wanted| wanted.value).map(f64::from)
     }
 
-    /// Reads everything anew: after a reboot of the flight controller.
+    /// Reads everything anew: after a reboot of the flight controller. Nothing is known until it has answered.
     pub fn ask_again(&mut self) {
         for wanted in &mut self.wanted {
-            (wanted.attempts, wanted.last_asked) = (0, None);
+            (wanted.value, wanted.attempts, wanted.last_asked) = (None, 0, None);
         }
     }
 }
@@ -136,5 +151,25 @@ mod tests {
         assert!(!reader.on_value(&value("WP_SPEED", 2.0)), "nothing new");
         assert!(!reader.on_value(&value("WP_SPEED", f32::NAN)));
         assert!(reader.on_value(&value("WP_SPEED", 3.0)), "changed by somebody else");
+        reader.ask_again();
+        assert!(!reader.is_complete() && reader.value("WP_SPEED").is_none(), "it may be another one now");
+    }
+
+    #[test]
+    fn what_the_boat_s_obedience_hangs_on_is_read_again_and_again() {
+        let mut reader = ParameterReader::new(&["SYSID_MYGCS", "WP_SPEED"]);
+        reader.watch(&["SYSID_MYGCS"]);
+        let mut requests = Vec::new();
+        for tenth in 0..200 {
+            while let Some(Message::PARAM_REQUEST_READ(data)) =
+                reader.poll(Duration::from_millis(tenth * 100), VEHICLE)
+            {
+                let name = data.param_id.to_str().unwrap().to_owned();
+                reader.on_value(&value(&name, 255.0));
+                requests.push(name);
+            }
+        }
+        assert_eq!(requests.iter().filter(|name| *name == "SYSID_MYGCS").count(), 4, "{requests:?}");
+        assert_eq!(requests.len(), 5);
     }
 }

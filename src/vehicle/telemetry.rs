@@ -98,6 +98,8 @@ pub struct Telemetry {
 
 /// A boot time that falls back by more than this means that the flight controller has restarted.
 const REBOOT_S: f64 = 1.0;
+/// Flags older than this vouch for nothing, seconds. They are asked for twice a second, and come once a second unasked.
+const EKF_STALE_S: f64 = 5.0;
 /// Estimator flags without which a boat must not be steered by its position: heading and horizontal position.
 const EKF_NEEDED: u16 = enums::EKF_ATTITUDE | enums::EKF_POS_HORIZ_ABS;
 
@@ -192,8 +194,11 @@ impl Telemetry {
 
     /// The estimator vouches for heading and absolute position. ArduRover accepts arming some twenty seconds
     /// before it does (measured on 4.6), so the arming state is no substitute.
-    pub fn estimator_is_ready(&self) -> bool {
-        self.ekf_flags.is_some_and(|flags| flags.value & EKF_NEEDED == EKF_NEEDED)
+    pub fn estimator_is_ready(&self, now: Duration) -> bool {
+        self.ekf_flags.is_some_and(|flags| {
+            let age_s = now.saturating_sub(flags.received).as_secs_f64();
+            flags.value & EKF_NEEDED == EKF_NEEDED && age_s <= EKF_STALE_S
+        })
     }
 
     /// The mode of the last heartbeat.
@@ -246,6 +251,7 @@ pub fn classify(from: Identity, heartbeat: &HEARTBEAT_DATA) -> Sender {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use helmlink_wire::dialect::EKF_STATUS_REPORT_DATA;
 
     const NOW: Duration = Duration::from_secs(1);
 
@@ -292,6 +298,16 @@ mod tests {
         telemetry.on_message(NOW, &position(634_389_000, 103_990_000, 60_000));
         assert_eq!(telemetry.on_message(NOW, &attitude(1.0, 500)), Update::Rebooted);
         assert!(telemetry.position.is_none());
+    }
+
+    #[test]
+    fn an_estimator_that_has_fallen_silent_vouches_for_nothing() {
+        let mut telemetry = Telemetry::default();
+        let flags = EKF_NEEDED;
+        let report = EKF_STATUS_REPORT_DATA { flags, ..EKF_STATUS_REPORT_DATA::DEFAULT };
+        telemetry.on_message(NOW, &Message::EKF_STATUS_REPORT(report));
+        assert!(telemetry.estimator_is_ready(NOW + Duration::from_secs(5)));
+        assert!(!telemetry.estimator_is_ready(NOW + Duration::from_secs(6)));
     }
 
     #[test]

@@ -37,6 +37,12 @@ impl Helmlink {
         said["address"].as_str().expect("an address").to_owned()
     }
 
+    /// The `HOST:PORT` that the bridge's next listening link is bound to, as its log says it.
+    pub fn wait_for_place(&self) -> String {
+        let line = self.wait_for_line("listening at");
+        line.rsplit_once('(').expect("an address").1.trim_end_matches(')').to_owned()
+    }
+
     /// The process, to wait for its end.
     pub fn into_process(self) -> Process {
         self.process

@@ -10,9 +10,13 @@
 #![allow(dead_code, unreachable_pub, unused_imports)]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
+pub mod correspondent;
+pub mod folder;
 pub mod helmlink;
 pub mod process;
 pub mod python;
 
+pub use correspondent::Correspondent;
+pub use folder::Folder;
 pub use helmlink::Helmlink;
 pub use python::Script;

@@ -26,7 +26,10 @@ fn main() -> std::io::Result<()> {
     let is_test = !std::env::args().any(|argument| argument == "--bench");
     let default_mb = if is_test { 4 } else { 2048 };
     let megabytes = std::env::var("HELMLINK_BENCH_LOG_MB").ok().and_then(|text| text.parse().ok());
-    let scratch = Scratch(std::env::temp_dir().join(format!("helmlink-bench-{}.tlog", std::process::id())));
+    // Not the system's folder for temporary files, which may be memory.
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder)?;
+    let scratch = Scratch(folder.join(format!("bench-{}.tlog", std::process::id())));
     let length = make(&scratch, megabytes.unwrap_or(default_mb) * 1_000_000)?;
     let memory_before = peak_memory_mb();
 

@@ -143,6 +143,10 @@ impl Table {
     }
 }
 
+fn row_lacks(column: &'static str, expected: &'static str) -> Fault {
+    Fault::Number { column, found: String::new(), expected }
+}
+
 /// A line of a table.
 struct Row {
     list: String,
@@ -176,7 +180,15 @@ impl Row {
             let cell = if decimal_comma { cell.replace(',', ".") } else { cell.to_owned() };
             row.set(*column, &cell)?;
         }
-        Ok(row)
+        // Positions that half are there are in no frame.
+        match row.coordinates.map(f64::is_nan) {
+            [false, true] => Err(row_lacks("the longitude", "degrees east")),
+            [true, false] => Err(row_lacks("the latitude", "degrees north")),
+            [true, true] if row.command == MAV_CMD_NAV_WAYPOINT => {
+                Err(row_lacks("the latitude", "degrees north"))
+            }
+            _ => Ok(row),
+        }
     }
 
     fn set(&mut self, column: Column, cell: &str) -> Result<(), Fault> {

@@ -110,6 +110,9 @@ pub enum Fault {
          .plan, GeoJSON, GPX, KML, KMZ, CSV with headings): save the mission again from a ground station"
     )]
     NotAMission(String),
+    /// No line with anything on it.
+    #[error("the file is empty: save the mission again from a ground station")]
+    Nothing,
     /// Not text.
     #[error("is not UTF-8 text, so it is not a mission file: save the mission again from a ground station")]
     NotText,
@@ -161,6 +164,9 @@ pub enum Fault {
          waypoints or save the mission as \"QGC WPL 110\""
     )]
     ComplexItem(String),
+    /// A complex item for aircraft.
+    #[error("{0}, a boat cannot drive it: remove the item in QGroundControl")]
+    NotForBoats(&'static str),
     /// An item that is neither simple nor complex.
     #[error("type is \"{0}\", expected \"SimpleItem\" or \"ComplexItem\"")]
     ItemType(String),

@@ -70,7 +70,9 @@ impl Format {
             .map(str::trim)
             .find(|line| !line.is_empty() && !line.starts_with('#'))
             .unwrap_or_default();
-        if first_line.starts_with(wpl::MAGIC) {
+        if first_line.is_empty() {
+            Err(PlanError::at(Place::File, Fault::Nothing))
+        } else if first_line.starts_with(wpl::MAGIC) {
             Ok(Self::Wpl)
         } else if first_line.starts_with('{') {
             Ok(if qgc::looks_like_geojson(text) { Self::GeoJson } else { Self::Qgc })

@@ -187,6 +187,10 @@ fn place(value: &Value) -> Result<(Geodetic, f32), Fault> {
 
 fn place_unchecked(value: &Value) -> Result<(Geodetic, f32), Fault> {
     let numbers = list(value)?;
+    if numbers.len() < 2 {
+        let found = super::excerpt(&value.to_string());
+        return Err(Fault::Number { column: "a place", found, expected: "[longitude, latitude]" });
+    }
     let longitude_deg = number(numbers.first(), "longitude", "degrees east")?;
     let latitude_deg = number(numbers.get(1), "latitude", "degrees north")?;
     let altitude_m = match numbers.get(2) {
@@ -207,7 +211,7 @@ fn list(value: &Value) -> Result<&Vec<Value>, Fault> {
 fn number(value: Option<&Value>, column: &'static str, expected: &'static str) -> Result<f64, Fault> {
     value.and_then(Value::as_f64).ok_or_else(|| Fault::Number {
         column,
-        found: super::excerpt(&value.map_or_else(|| "missing".to_owned(), Value::to_string)),
+        found: super::excerpt(&value.map_or_else(String::new, Value::to_string)),
         expected,
     })
 }

@@ -152,7 +152,15 @@ fn coordinates(text: &str) -> Result<Vec<Place3>, Fault> {
     text.split_whitespace()
         .map(|tuple| {
             let mut numbers = tuple.split(',');
-            let (longitude, latitude) = (numbers.next().unwrap_or(""), numbers.next().unwrap_or(""));
+            let longitude = numbers.next().unwrap_or("");
+            let Some(latitude) = numbers.next() else {
+                let (column, found) = ("a place", super::excerpt(tuple));
+                return Err(Fault::Number {
+                    column,
+                    found,
+                    expected: "longitude,latitude or longitude,latitude,altitude",
+                });
+            };
             place(latitude, longitude, numbers.next())
         })
         .collect()

@@ -4,7 +4,9 @@
 
 use std::collections::HashMap;
 
-use helmlink_wire::enums::{MAV_CMD_DO_JUMP, MAV_FRAME_MISSION};
+use helmlink_wire::enums::{
+    MAV_CMD_DO_JUMP, MAV_CMD_NAV_WAYPOINT, MAV_FRAME_GLOBAL_RELATIVE_ALT, MAV_FRAME_MISSION,
+};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -167,13 +169,34 @@ impl ItemType {
     }
 }
 
-/// The simple items that a survey or corridor scan was made into when it was saved.
+/// The simple items that a survey or corridor scan was made into when it was saved; where there are none, the places of
+/// its transects.
 fn parts_of(mut complex: Value) -> Result<Vec<Value>, Fault> {
-    let stored = complex.pointer_mut("/TransectStyleComplexItem/Items").map(Value::take);
-    match stored {
-        Some(Value::Array(parts)) if !parts.is_empty() => Ok(parts),
-        _ => Err(Fault::ComplexItem(super::excerpt(text_at(&complex, "complexItemType")))),
+    let part = |complex: &mut Value, name: &str| match complex.pointer_mut(name).map(Value::take) {
+        Some(Value::Array(parts)) if !parts.is_empty() => Some(parts),
+        _ => None,
+    };
+    if let Some(items) = part(&mut complex, "/TransectStyleComplexItem/Items") {
+        return Ok(items);
     }
+    if let Some(points) = part(&mut complex, "/TransectStyleComplexItem/VisualTransectPoints") {
+        return points.iter().map(transect_point).collect();
+    }
+    Err(match text_at(&complex, "complexItemType") {
+        "StructureScan" => Fault::NotForBoats("a structure scan flies around a building at several heights"),
+        "fwLandingPattern" | "vtolLandingPattern" => Fault::NotForBoats("a landing pattern is for aircraft"),
+        other => Fault::ComplexItem(super::excerpt(other)),
+    })
+}
+
+/// A corner of a transect as a waypoint.
+fn transect_point(point: &Value) -> Result<Value, Fault> {
+    let (place, _) = position(point)?;
+    Ok(json!({
+        "command": MAV_CMD_NAV_WAYPOINT,
+        "frame": MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        "params": [0, 0, 0, Value::Null, place.latitude_deg, place.longitude_deg, 0],
+    }))
 }
 
 /// The older files give the parameters one by one, and the position in a list of its own.
@@ -193,6 +216,11 @@ fn with_params(mut value: Value) -> Value {
 
 fn simple_item(value: Value) -> Result<Item, Fault> {
     let value = with_params(value);
+    if let Some(count) =
+        value.get("params").and_then(Value::as_array).map(Vec::len).filter(|count| *count != 7)
+    {
+        return Err(Fault::Json(format!("\"params\" has {count} values, expected 7")));
+    }
     let item: SimpleItem = from_json(serde_json::from_value(value))?;
     let [p1, p2, p3, p4, latitude_deg, longitude_deg, altitude_m] = item.params;
     // A command without a position has no use for parameters 5 and 6 either.

@@ -2,9 +2,11 @@
 
 use super::Live;
 use super::lateness::{Lateness, Quantiles};
+use super::process::Usage;
 use crate::app::metrics::Page;
 use crate::bridge::Bridge;
 use crate::link::Traffic;
+use crate::pilot::supervisor::State;
 
 /// Everything as it is now.
 pub(super) fn page(edge: &Live, lateness: &Lateness) -> String {
@@ -14,6 +16,7 @@ pub(super) fn page(edge: &Live, lateness: &Lateness) -> String {
     loop_times(&mut page, &edge.party, lateness);
     links(&mut page, edge);
     gate(&mut page, edge);
+    process(&mut page);
     page.into_text()
 }
 
@@ -26,6 +29,17 @@ fn state(page: &mut Page, bridge: &Bridge) {
     page.gauge("helmlink_vehicle_found", "1 if a flight controller is there.")
         .value(flag(status.vehicle.is_some()));
     page.gauge("helmlink_armed", "1 if the motors may turn.").value(flag(status.armed));
+    let is_engaged = matches!(status.state, State::Engaging | State::Engaged | State::HandingBack);
+    page.gauge("helmlink_engaged", "1 while the boat is the bridge's.").value(flag(is_engaged));
+    let mut failsafes = page.counter(
+        "helmlink_failsafe_total",
+        "Times that a failsafe has taken the boat out of control or warned.",
+    );
+    for (key, count) in bridge.counts().failsafes() {
+        failsafes.with(&[("failsafe", key)], count as f64);
+    }
+    page.counter("helmlink_controller_errors_total", "Control steps that gave no command.")
+        .value(bridge.counts().controller_errors as f64);
     if let Some(mode) = status.mode {
         page.gauge("helmlink_mode", "The flight controller's mode (custom_mode).").value(f64::from(mode.0));
     }
@@ -97,6 +111,7 @@ fn links(page: &mut Page, edge: &Live) {
     each("helmlink_link_frames_total", "Frames received.", |link| link.frames);
     each("helmlink_link_missing_frames_total", "Frames that never arrived.", |link| link.sequence_gaps);
     each("helmlink_link_crc_errors_total", "Frames with a wrong checksum.", |link| link.crc_errors);
+    each("helmlink_link_unknown_frames_total", "Frames of unknown messages.", |link| link.unknown_ids);
 }
 
 fn gate(page: &mut Page, edge: &Live) {
@@ -111,6 +126,13 @@ fn gate(page: &mut Page, edge: &Live) {
         family.with(&[("direction", "sent")], signing.signed_sent as f64);
         family.with(&[("direction", "received")], signing.accepted as f64);
     }
+}
+
+/// The process itself, under the names that Prometheus has for that.
+fn process(page: &mut Page) {
+    let Some(usage) = Usage::now() else { return };
+    page.counter("process_cpu_seconds_total", "Processor time, user and system.").value(usage.cpu_s);
+    page.gauge("process_resident_memory_bytes", "Resident memory.").value(usage.resident_bytes);
 }
 
 fn flag(condition: bool) -> f64 {

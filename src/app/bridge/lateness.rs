@@ -27,7 +27,7 @@ pub(super) struct Quantiles {
 impl Lateness {
     /// The loop has come round: bytes taken at `began` were handled by `ended`, and `steps` have been made in all.
     pub(super) fn on_turn(&mut self, began: Duration, ended: Duration, steps: u64, interval: Duration) {
-        if steps == self.steps {
+        if !self.is_news(steps) {
             return;
         }
         // Several steps in one turn: what held them up has held up the first most.
@@ -38,6 +38,11 @@ impl Lateness {
             let expected = interval * made;
             self.intervals.push(ended.saturating_sub(last).abs_diff(expected).as_secs_f64());
         }
+    }
+
+    /// Whether steps have been made since the last turn.
+    pub(super) fn is_news(&self, steps: u64) -> bool {
+        steps != self.steps
     }
 
     /// By how much the intervals between steps miss the usual one.

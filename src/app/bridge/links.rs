@@ -103,7 +103,7 @@ impl LinkArgs {
     }
 
     fn terms(&self, endpoint: EndpointId, has_key: bool) -> Terms {
-        let is_vehicle = endpoint.0 == 0;
+        let is_vehicle = endpoint == EndpointId::FIRST;
         let chosen = match self.sign {
             SignedLinks::All => true,
             SignedLinks::Connect => is_vehicle,

@@ -7,10 +7,12 @@ use clap::Args;
 use super::Live;
 use super::figures;
 use super::lateness::Lateness;
+use super::process::Usage;
 use super::service_manager::{self, News};
 use super::signing::SigningStore;
 use crate::app::failure::Failure;
 use crate::app::metrics::{MetricsAddress, Server};
+use crate::bridge::Health;
 
 /// Options for running as a service.
 #[derive(Debug, Clone, Args)]
@@ -30,6 +32,8 @@ pub(super) struct Operation {
     interval: Duration,
     server: Option<Server>,
     renewed: Option<Duration>,
+    /// When the process was last measured, and the processor time that it had used by then, seconds.
+    measured: Option<(Duration, f64)>,
     /// How often systemd wants a sign of life, half of what it waits.
     watchdog: Option<Duration>,
     lived: Duration,
@@ -54,6 +58,7 @@ impl Operation {
             interval,
             server,
             renewed: None,
+            measured: None,
             watchdog,
             lived: Duration::ZERO,
             said: "",
@@ -71,12 +76,18 @@ impl Operation {
         service_manager::tell(News::Ready);
     }
 
-    /// After each turn of the loop. A loop that hangs no longer comes here, and the
-    /// service manager restarts it.
+    /// After each turn of the loop.
     pub(super) fn after_turn(&mut self, edge: &Live) {
+        let steps = edge.party.steps();
+        if self.lateness.is_news(steps) {
+            self.lateness.on_turn(edge.began(), edge.now(), steps, self.interval);
+        }
+    }
+
+    /// After each tick. A loop that hangs no longer comes here, and the service manager restarts it.
+    pub(super) fn after_tick(&mut self, edge: &Live) {
         let now = edge.now();
         let status = edge.party.status();
-        self.lateness.on_turn(edge.began(), now, status.steps, self.interval);
         if self.watchdog.is_some_and(|interval| now.saturating_sub(self.lived) >= interval) {
             self.lived = now;
             service_manager::tell(News::Alive);
@@ -95,6 +106,22 @@ impl Operation {
         if let Some(server) = &self.server {
             server.publish(figures::page(edge, &self.lateness));
         }
+    }
+
+    /// How the process is, for the ground station: once a second, where the system tells.
+    pub(super) fn health(&mut self, now: Duration) -> Option<Health> {
+        if self.measured.is_some_and(|(then, _)| now.saturating_sub(then) < RENEWAL) {
+            return None;
+        }
+        let usage = Usage::now()?;
+        let (then, before_s) = self.measured.replace((now, usage.cpu_s))?;
+        let elapsed_s = now.saturating_sub(then).as_secs_f64();
+        let late_ms = self.lateness.handling().map_or(0.0, |handling| handling.max_s * 1000.0);
+        Some(Health {
+            late_ms: late_ms as f32,
+            cpu_percent: (100.0 * (usage.cpu_s - before_s) / elapsed_s) as f32,
+            memory_mb: (usage.resident_bytes * 1e-6) as f32,
+        })
     }
 
     /// The boat has been let go.

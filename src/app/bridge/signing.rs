@@ -28,7 +28,12 @@ impl SigningStore {
     pub(super) fn open(key: &Path, state: &Path) -> Result<Self, Failure> {
         let path = state.join(FILE);
         let clock = Timestamp::from_unix(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default());
-        Ok(Self { key: read_key(key)?, start: clock.max(last(&path)?), path, saved: None, complained: false })
+        let key = read_key(key)?;
+        let start = clock.max(last(&path)?);
+        let mut store = Self { key, start, path, saved: None, complained: false };
+        // Before the first frame: a run that is killed at once has used some already.
+        store.save(Some(start));
+        Ok(store)
     }
 
     /// The signatures of this run.
@@ -152,6 +157,13 @@ mod tests {
         let far = Timestamp::from_unix(Duration::from_secs(4_000_000_000));
         folder.open().unwrap().save(Some(far));
         assert!(folder.open().unwrap().signing().timestamp() > far);
+    }
+
+    #[test]
+    fn a_run_that_is_killed_at_once_has_used_its_time_stamps_up() {
+        let folder = Folder::new("killed");
+        let first = folder.open().unwrap().signing().timestamp();
+        assert!(folder.open().unwrap().signing().timestamp() >= first.later(SAVE_INTERVAL));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use helmlink_mission::geodesy::NorthEast;
-use helmlink_mission::plan::{self, Fence, Outline};
+use helmlink_mission::plan;
 use helmlink_mission::route::Route;
 use serde_json::json;
 
@@ -15,7 +15,7 @@ use super::canvas::Canvas;
 use super::check::duration;
 use super::review::{Review, review};
 use super::{say_notes, speed_and_boat, stem};
-use crate::report::{self, Run};
+use crate::report::{self, FenceArea, Run};
 
 /// `helmlink mission show`.
 #[derive(Debug, Clone, Args)]
@@ -25,7 +25,8 @@ Examples:
   helmlink mission show survey.plan --svg survey.svg
   helmlink mission show survey.plan --width 120
 
-In the terminal: the smooth path that the boat is given, numbers at the items, dotted fence, H for home.")]
+In the terminal: the smooth path that the boat is given, numbers at the items, dotted fence, R for rally
+points, H for home.")]
 pub struct ShowArgs {
     /// The mission file: .waypoints, .plan, .geojson, .gpx, .kml, .kmz or .csv
     pub mission: PathBuf,
@@ -62,20 +63,22 @@ pub(super) fn run(args: &ShowArgs) -> Result<(), Failure> {
         duration(review.duration_s),
         boat.name
     );
+    let run = Run {
+        title: name.clone(),
+        subtitle: vec![summary.clone()],
+        mission: review.waypoints.clone(),
+        path: review.path.clone(),
+        fence: FenceArea::all_of(&reading.plan.fence, &review.frame),
+        rally: reading.plan.rally.iter().map(|rally| review.frame.to_local(rally.position)).collect(),
+        figures: vec![
+            ("items".to_owned(), mission.items.len().to_string()),
+            ("waypoints".to_owned(), route.waypoints.len().to_string()),
+            ("length".to_owned(), format!("{:.0} m", review.length_m)),
+            ("time, about".to_owned(), duration(review.duration_s)),
+        ],
+        ..Run::default()
+    };
     if let Some(path) = &args.svg {
-        let run = Run {
-            title: name.clone(),
-            subtitle: vec![summary.clone()],
-            mission: review.waypoints.clone(),
-            path: review.path.clone(),
-            figures: vec![
-                ("items".to_owned(), mission.items.len().to_string()),
-                ("waypoints".to_owned(), route.waypoints.len().to_string()),
-                ("length".to_owned(), format!("{:.0} m", review.length_m)),
-                ("time, about".to_owned(), duration(review.duration_s)),
-            ],
-            ..Run::default()
-        };
         std::fs::write(path, report::track_svg(&run))
             .map_err(|error| Failure::failed(format!("cannot write {}: {error}", path.display())))?;
     }
@@ -87,49 +90,34 @@ pub(super) fn run(args: &ShowArgs) -> Result<(), Failure> {
             "mission": name, "svg": args.svg, "length_m": review.length_m, "duration_s": review.duration_s,
             "origin": [review.frame.origin().latitude_deg, review.frame.origin().longitude_deg],
             "waypoints_north_east_m": local(&review.waypoints), "path_north_east_m": local(&review.path),
+            "fence_north_east_m": run.fence.iter().map(|area| local(&area.outline)).collect::<Vec<_>>(),
+            "rally_north_east_m": local(&run.rally),
         });
         console::say(&report.to_string());
     } else if args.svg.is_none() {
         let home = route.home.map(|home| review.frame.to_local(home));
-        console::say(&format!(
-            "{name}: {summary}\n{}",
-            drawing(&review, &route, &reading.plan.fence, home, args.width)
-        ));
+        console::say(&format!("{name}: {summary}\n{}", drawing(&review, &route, &run, home, args.width)));
     }
     Ok(())
 }
 
-fn drawing(review: &Review, route: &Route, fence: &Fence, home: Option<NorthEast>, width: u16) -> String {
-    let outlines: Vec<Vec<NorthEast>> =
-        fence.areas.iter().map(|area| outline(review, &area.outline)).collect();
+fn drawing(review: &Review, route: &Route, run: &Run, home: Option<NorthEast>, width: u16) -> String {
+    let outlines = run.fence.iter().flat_map(|area| &area.outline);
     let everything =
-        review.path.iter().chain(&review.waypoints).chain(&home).chain(outlines.iter().flatten());
+        review.path.iter().chain(&review.waypoints).chain(&home).chain(outlines).chain(&run.rally);
     let mut canvas = Canvas::around(everything.copied(), usize::from(width));
-    for outline in &outlines {
-        canvas.dots(outline);
+    for area in &run.fence {
+        canvas.dots(&area.outline);
     }
     canvas.line(&review.path);
     for (waypoint, place) in route.waypoints.iter().zip(&review.waypoints) {
         canvas.label(*place, &waypoint.item.to_string());
     }
+    for (number, place) in (1..).zip(&run.rally) {
+        canvas.label(*place, &format!("R{number}"));
+    }
     if let Some(home) = home {
         canvas.label(home, "H");
     }
     canvas.finish()
-}
-
-fn outline(review: &Review, outline: &Outline) -> Vec<NorthEast> {
-    match outline {
-        Outline::Polygon(corners) => {
-            corners.iter().chain(corners.first()).map(|corner| review.frame.to_local(*corner)).collect()
-        }
-        Outline::Circle { centre, radius_m } => {
-            let centre = review.frame.to_local(*centre);
-            let bearing_rad = |degree: i32| f64::from(degree).to_radians();
-            (0..=360)
-                .step_by(5)
-                .map(|degree| centre + NorthEast::from_polar(f64::from(*radius_m), bearing_rad(degree)))
-                .collect()
-        }
-    }
 }

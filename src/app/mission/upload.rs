@@ -5,13 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 use helmlink_mission::plan::{self, Mission, Plan, differences};
 use helmlink_mission::protocol::MissionType;
+use helmlink_mission::route::Route;
 use serde_json::json;
 
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::review::{Level, review};
 use super::vehicle::{Task, Vehicle, VehicleArgs, converse};
-use super::{checksum, say_notes};
+use super::{checksum, say_notes, speed_and_boat};
 use crate::vehicle::Mode;
 
 /// `helmlink mission upload`.
@@ -21,8 +23,9 @@ Examples:
   helmlink mission upload survey.plan --connect tcp:127.0.0.1:5760
   helmlink mission upload survey.waypoints --connect serial:/dev/ttyUSB0:57600 --json
 
-Fence and rally points are sent too where the file has them. Everything is read back and compared. A
-flight controller overwrites its old mission item by item: when an upload fails it has neither.")]
+A mission that `helmlink mission check` finds wrong is not sent. Fence and rally points are sent too where the
+file has them. Everything is read back and compared. A flight controller overwrites its old mission item by
+item: when an upload fails it has neither.")]
 pub struct UploadArgs {
     /// The mission file: .waypoints, .plan, .geojson, .gpx, .kml, .kmz or .csv
     pub mission: PathBuf,
@@ -32,6 +35,15 @@ pub struct UploadArgs {
     /// Send only the mission, not the fence and the rally points in the file
     #[arg(long)]
     pub mission_only: bool,
+    /// The boat that the mission is checked for: otter, monohull38, skiff or motorboat
+    #[arg(long, default_value = "otter")]
+    pub boat: String,
+    /// Speed over ground where the mission gives none, for the check, m/s; the boat's cruising speed if not given
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<f64>,
+    /// Send what a boat cannot drive, too: for a flight controller that knows better
+    #[arg(long)]
+    pub no_check: bool,
     /// Send even to a boat that is armed and driving its mission: it follows the half-sent one meanwhile
     #[arg(long)]
     pub force: bool,
@@ -47,14 +59,64 @@ pub(super) fn run(args: &UploadArgs) -> Result<(), Failure> {
     if lists.is_empty() {
         return Err(Failure::usage(format!("{}: there is no mission in it", args.mission.display())));
     }
+    if !args.no_check {
+        check(args, &reading.plan)?;
+    }
+    let stored = send(&args.vehicle, &args.common, &lists, args.force)?;
+    report(&args.common, &lists, &stored)
+}
+
+/// Sends plans and reads each back; what is stored.
+fn send(
+    vehicle: &VehicleArgs,
+    common: &Common,
+    lists: &[(MissionType, Mission)],
+    force: bool,
+) -> Result<Vec<Mission>, Failure> {
     let tasks: Vec<Task> =
         lists.iter().flat_map(|(kind, list)| [Task::Send(*kind, list.clone()), Task::Fetch(*kind)]).collect();
-    let force = args.force;
-    let stored = converse(&args.vehicle, &args.common, move |vehicle| {
+    converse(vehicle, common, move |vehicle| {
         check_idle(vehicle, force)?;
         Ok(tasks)
-    })?;
-    report(args, &lists, &stored)
+    })
+}
+
+/// Sends a mission that was made here and can be driven, and makes sure that it is stored.
+///
+/// # Errors
+/// It could not be sent, or something else is stored.
+pub(in crate::app) fn send_mission(
+    vehicle: &VehicleArgs,
+    common: &Common,
+    mission: &Mission,
+) -> Result<(), Failure> {
+    let lists = [(MissionType::Mission, mission.clone())];
+    let stored = send(vehicle, common, &lists, false)?;
+    match compared(&lists, &stored).into_iter().find_map(|compared| compared.wrong) {
+        Some(line) => Err(stored_otherwise(&line)),
+        None => Ok(()),
+    }
+}
+
+/// A mission that no boat drives, or not this one, is not sent.
+fn check(args: &UploadArgs, plan: &Plan) -> Result<(), Failure> {
+    if plan.mission.items.is_empty() {
+        return Ok(());
+    }
+    let name = args.mission.display();
+    let hint = "to send it all the same, add --no-check";
+    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed)?;
+    let route = Route::from_mission(&plan.mission)
+        .map_err(|error| Failure::usage(format!("{name}: {error}; {hint}")))?;
+    let review = review(&route, &plan.fence, &boat, speed_mps);
+    let problems: Vec<_> = review.findings.iter().filter(|finding| finding.level == Level::Problem).collect();
+    let Some(first) = problems.first() else { return Ok(()) };
+    let item = first.item.map_or_else(String::new, |item| format!("item {item}: "));
+    let more = match problems.len() {
+        1 => String::new(),
+        count => format!(", and {} more (see helmlink mission check)", count - 1),
+    };
+    Err(Failure::failed(format!("{name}: {item}{}{more}; nothing was sent; {hint}", first.text)))
 }
 
 /// The plans of a file, by kind.
@@ -81,43 +143,64 @@ fn check_idle(vehicle: Vehicle, force: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-fn report(args: &UploadArgs, lists: &[(MissionType, Mission)], stored: &[Mission]) -> Result<(), Failure> {
-    let mut sent = serde_json::Map::new();
-    let mut text = Vec::new();
-    let mut wrong = None;
-    for ((kind, list), stored) in lists.iter().zip(stored) {
-        let found = differences(&list.items, &stored.items);
+/// What has become of one plan.
+struct Compared {
+    name: &'static str,
+    items: usize,
+    checksum: String,
+    verified: bool,
+    /// What the flight controller does not keep, and nobody needs.
+    not_kept: Vec<String>,
+    /// The first thing that matters and is not the same.
+    wrong: Option<String>,
+}
+
+fn compared(lists: &[(MissionType, Mission)], stored: &[Mission]) -> Vec<Compared> {
+    let compare = |((kind, list), stored): (&(MissionType, Mission), &Mission)| {
         let name = super::kind_name(*kind);
-        let matching = checksum(&list.items) == checksum(&stored.items);
-        for difference in &found {
-            let line = format!("{name}, item {}: {}", difference.item, difference.text);
+        let (mut wrong, mut not_kept) = (None, Vec::new());
+        for difference in differences(&list.items, &stored.items) {
+            let line = format!("item {}: {}", difference.item, difference.text);
             if difference.matters {
-                tracing::error!("{line}");
-                wrong.get_or_insert(line);
+                tracing::error!("{name}, {line}");
+                wrong.get_or_insert(format!("{name}, {line}"));
             } else {
-                tracing::debug!("{line} (the flight controller does not keep it)");
+                tracing::debug!("{name}, {line} (the flight controller does not keep it)");
+                not_kept.push(line);
             }
         }
-        let sum = checksum(&stored.items);
-        text.push(format!(
-            "{name}: {} items on board, read back and compared; SHA-256 {sum}",
-            list.items.len()
-        ));
-        let value = json!({
-            "items": list.items.len(),
-            "verified": matching && !found.iter().any(|difference| difference.matters),
-            "checksum_sha256": sum,
-            "not_kept": found.iter().filter(|d| !d.matters).map(|d| format!("item {}: {}", d.item, d.text)).collect::<Vec<_>>(),
-        });
-        sent.insert(name.to_owned(), value);
+        let checksum = checksum(&stored.items);
+        let verified = wrong.is_none() && checksum == super::checksum(&list.items);
+        Compared { name, items: list.items.len(), checksum, verified, not_kept, wrong }
+    };
+    lists.iter().zip(stored).map(compare).collect()
+}
+
+fn stored_otherwise(line: &str) -> Failure {
+    Failure::failed(format!("the flight controller stored something else: {line}"))
+}
+
+fn report(common: &Common, lists: &[(MissionType, Mission)], stored: &[Mission]) -> Result<(), Failure> {
+    let compared = compared(lists, stored);
+    if let Some(line) = compared.iter().find_map(|plan| plan.wrong.as_deref()) {
+        return Err(stored_otherwise(line));
     }
-    if let Some(line) = wrong {
-        return Err(Failure::failed(format!("the flight controller stored something else: {line}")));
-    }
-    if args.common.json {
+    if common.json {
+        let value = |plan: &Compared| {
+            json!({
+                "items": plan.items, "verified": plan.verified, "checksum_sha256": plan.checksum,
+                "not_kept": plan.not_kept,
+            })
+        };
+        let sent: serde_json::Map<_, _> =
+            compared.iter().map(|plan| (plan.name.to_owned(), value(plan))).collect();
         console::say(&json!({ "uploaded": sent }).to_string());
     } else {
-        console::say(&text.join("\n"));
+        let line = |plan: &Compared| {
+            let Compared { name, items, checksum, .. } = plan;
+            format!("{name}: {items} items on board, read back and compared; SHA-256 {checksum}")
+        };
+        console::say(&compared.iter().map(line).collect::<Vec<_>>().join("\n"));
     }
     Ok(())
 }

@@ -7,12 +7,12 @@ use clap::Args;
 use helmlink_mission::plan::Mission;
 use helmlink_mission::protocol::MissionType;
 use helmlink_mission::protocol::client::{Download, Exchange, Progress, TransferError, Upload};
-use helmlink_wire::dialect::HEARTBEAT_DATA;
 use helmlink_wire::enums::{self, MAV_MISSION_DENIED, MAV_MISSION_OPERATION_CANCELLED};
-use helmlink_wire::{Encoder, Framer, Identity, LinkId, Message};
+use helmlink_wire::{Identity, LinkId, Message};
 
 use super::super::bridge::interrupted;
 use super::super::cli::Common;
+use super::super::client::{Client, OWN};
 use super::super::console::ProgressLine;
 use super::super::edge::{Edge, Party};
 use super::super::failure::Failure;
@@ -20,8 +20,6 @@ use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::vehicle::Mode;
 use crate::vehicle::telemetry::{Sender, classify};
 
-/// Who asks: a ground station.
-const OWN: Identity = Identity { system: 255, component: enums::MAV_COMP_ID_MISSIONPLANNER };
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 /// How often the machines look at the clock.
 const TICK: Duration = Duration::from_millis(10);
@@ -73,11 +71,7 @@ pub(super) struct Session {
     failure: Option<TransferError>,
     vehicle: Option<Vehicle>,
     wrong: Option<(u8, u8)>,
-    link: Option<LinkId>,
-    framer: Framer,
-    encoder: Encoder,
-    outbox: VecDeque<Vec<u8>>,
-    last_heartbeat: Option<Duration>,
+    client: Client,
     may_begin: bool,
 }
 
@@ -92,19 +86,14 @@ impl Session {
             failure: None,
             vehicle: None,
             wrong: None,
-            link: None,
-            framer: Framer::new(),
-            encoder: Encoder::new(),
-            outbox: VecDeque::new(),
-            last_heartbeat: None,
+            client: Client::default(),
             may_begin: false,
         }
     }
 
     /// A way to the flight controller is there.
     pub(super) fn join(&mut self, now: Duration, link: LinkId) {
-        self.link = Some(link);
-        self.last_heartbeat = None;
+        self.client.link_up(link);
         self.work(now);
     }
 
@@ -165,16 +154,7 @@ impl Session {
     }
 
     fn work(&mut self, now: Duration) {
-        if self.last_heartbeat.is_none_or(|then| now.saturating_sub(then) >= HEARTBEAT_INTERVAL) {
-            self.last_heartbeat = Some(now);
-            self.send(&Message::HEARTBEAT(HEARTBEAT_DATA {
-                mavtype: enums::MAV_TYPE_GCS,
-                autopilot: enums::MAV_AUTOPILOT_INVALID,
-                system_status: enums::MAV_STATE_ACTIVE,
-                mavlink_version: 3,
-                ..HEARTBEAT_DATA::DEFAULT
-            }));
-        }
+        self.client.keep_alive(now, HEARTBEAT_INTERVAL);
         let Some(vehicle) = self.vehicle.filter(|_| self.may_begin && self.failure.is_none()) else { return };
         if self.running.is_none() && now >= self.begin_at {
             self.running = self.tasks.front().map(|task| start(task, vehicle.id));
@@ -186,7 +166,7 @@ impl Session {
                 None => None,
             };
             let Some(message) = message else { break };
-            self.send(&message);
+            self.client.send(&message);
         }
         let outcome = match &self.running {
             Some(Running::Sending(upload)) => upload.outcome().map(|outcome| outcome.map(|()| None)),
@@ -217,12 +197,6 @@ impl Session {
             }
         }
     }
-
-    fn send(&mut self, message: &Message) {
-        let mut frame = Vec::new();
-        self.encoder.encode(OWN, message, &mut frame);
-        self.outbox.push_back(frame);
-    }
 }
 
 fn start(task: &Task, vehicle: Identity) -> Running {
@@ -250,20 +224,14 @@ impl Party for Session {
     }
 
     fn link_down(&mut self, _now: Duration, link: LinkId) {
-        if self.link == Some(link) {
-            self.link = None;
-        }
+        self.client.link_down(link);
     }
 
     fn on_bytes(&mut self, now: Duration, _link: LinkId, bytes: &[u8], _is_datagram: bool) {
-        self.framer.push(bytes);
-        while let Some((from, message)) =
-            self.framer.next_frame().map(|frame| (frame.identity(), frame.decode()))
-        {
-            if let Ok(message) = message {
-                self.on_message(now, from, &message);
-                self.work(now);
-            }
+        self.client.push(bytes);
+        while let Some((from, message)) = self.client.next_message() {
+            self.on_message(now, from, &message);
+            self.work(now);
         }
     }
 
@@ -272,8 +240,7 @@ impl Party for Session {
     }
 
     fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        let link = self.link?;
-        self.outbox.pop_front().map(|frame| (link, frame))
+        self.client.poll_transmit()
     }
 }
 
@@ -345,7 +312,7 @@ fn not_found(args: &VehicleArgs, wrong: Option<(u8, u8)>) -> Failure {
             args.connect
         )),
         None => Failure::no_link(format!(
-            "no heartbeat of a flight controller on {} for {:.0} s: check that it is powered, the address and the \
+            "no heartbeat of a flight controller on {} for {} s: check that it is powered, the address and the \
              baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2)",
             args.connect, args.wait
         )),

@@ -9,8 +9,13 @@ use crate::app::console;
 use crate::app::failure::Failure;
 use crate::app::log_report;
 use crate::replay::picture::Side;
-use crate::replay::what_if::WhatIfResult;
+use crate::replay::what_if::{Moment, Sink, WhatIfResult};
 use crate::report::{Curve, Panel, curves_svg};
+
+/// Vehicle time between two commands that are compared, seconds.
+const SAMPLE_S: f64 = 0.1;
+/// Commands kept: of a longer log every second, fourth, …
+const MOST_COMMANDS: usize = 200_000;
 
 /// What one of the two has given.
 #[derive(Debug, Serialize)]
@@ -42,10 +47,10 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     for name in [name_a, name_b] {
         let wishes = Wishes { boat: Some(name.as_str()), ..wishes(args) };
         let settings = engine.settings(&wishes, args.window.window())?;
-        let outcome = engine.run(settings, Side::Replayed, &mut [])?;
+        let mut replayed = Commands::default();
+        let outcome = engine.run(settings, Side::Replayed, &mut [&mut replayed])?;
         check_driven(&engine, &outcome, args)?;
-        let replayed: Vec<(f64, [f64; 2])> = outcome.picture.replayed().collect();
-        sides.push((Sided { boat: name.clone(), result: outcome.result }, replayed, outcome.notes));
+        sides.push((Sided { boat: name.clone(), result: outcome.result }, replayed.kept, outcome.notes));
     }
     let (Some((b, of_b, notes)), Some((a, of_a, _))) = (sides.pop(), sides.pop()) else { return Ok(()) };
     let panels = panels([name_a, name_b], &of_a, &of_b);
@@ -71,6 +76,37 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     }
     console::say(&if args.common.json { json } else { text(&report) });
     Ok(())
+}
+
+/// The commands of one side by their number and time, the same instants of a log for either side.
+#[derive(Default)]
+struct Commands {
+    kept: Vec<(f64, [f64; 2])>,
+    /// One in two to the power of so many is kept.
+    halvings: u32,
+    first_s: Option<f64>,
+    last: Option<i64>,
+}
+
+impl Sink for Commands {
+    fn moment(&mut self, moment: &Moment) {
+        let time_s = moment.time_s - *self.first_s.get_or_insert(moment.time_s);
+        let number = (time_s / SAMPLE_S).floor() as i64;
+        if self.last.replace(number) == Some(number) || number % (1 << self.halvings) != 0 {
+            return;
+        }
+        let Some(thought) = moment.thought else { return };
+        self.kept.push((time_s, [thought.steering.into(), thought.throttle.into()]));
+        if self.kept.len() > MOST_COMMANDS {
+            self.halvings += 1;
+            let every = 1 << self.halvings;
+            self.kept.retain(|(time_s, _)| (time_s / SAMPLE_S).floor() as i64 % every == 0);
+        }
+    }
+
+    fn command(&mut self, _time_us: u64, _frame: &[u8]) {}
+
+    fn event(&mut self, _time_s: f64, _text: &str) {}
 }
 
 fn text(report: &Report) -> String {
@@ -108,12 +144,7 @@ fn panels(names: [&str; 2], a: &[(f64, [f64; 2])], b: &[(f64, [f64; 2])]) -> Vec
     };
     let difference = |axis: usize| Curve {
         name: format!("{} minus {}", names[1], names[0]),
-        readings: a
-            .iter()
-            .zip(b)
-            .filter(|((at_a, _), (at_b, _))| at_a == at_b)
-            .map(|((time_s, a), (_, b))| (*time_s, b[axis] - a[axis]))
-            .collect(),
+        readings: at_equal_times(a, b).map(|(time_s, a, b)| (time_s, b[axis] - a[axis])).collect(),
     };
     let of_both = |title: &str, axis| Panel {
         title: title.to_owned(),
@@ -126,6 +157,18 @@ fn panels(names: [&str; 2], a: &[(f64, [f64; 2])], b: &[(f64, [f64; 2])]) -> Vec
         between("Steering, difference", 0),
         between("Throttle, difference", 1),
     ]
+}
+
+/// The commands of both at every instant for which both are there.
+fn at_equal_times<'a>(
+    a: &'a [(f64, [f64; 2])],
+    b: &'a [(f64, [f64; 2])],
+) -> impl Iterator<Item = (f64, [f64; 2], [f64; 2])> + 'a {
+    let mut others = b.iter().peekable();
+    a.iter().filter_map(move |(time_s, a)| {
+        while others.next_if(|(other_s, _)| other_s < time_s).is_some() {}
+        others.next_if(|(other_s, _)| other_s == time_s).map(|(_, b)| (*time_s, *a, *b))
+    })
 }
 
 /// Root mean square and largest of a panel's only curve.

@@ -1,4 +1,4 @@
-//! `helmlink replay --drive`: the recorded track, driven again in the simulator.
+//! `helmlink replay --drive`: the recorded track, driven again in the simulator or on a boat.
 
 use std::time::Instant;
 
@@ -9,15 +9,24 @@ use helmlink_mission::track::{Fix, TrackSettings, mission_of_track};
 use super::engine::Engine;
 use super::what_if::wishes;
 use super::{LogFiles, ReplayArgs};
+use crate::app::bridge::{self, BridgeArgs};
 use crate::app::console;
 use crate::app::failure::Failure;
-use crate::app::mission::Drivable;
+use crate::app::mission::{self, Drivable, VehicleArgs};
 use crate::app::result::{self, RunResult, Subject};
 use crate::app::sitl;
 use crate::app::world::{World, WorldArgs};
+use crate::link::LinkUrl;
 use crate::replay::picture::Side;
-use crate::replay::what_if::{Moment, Sink, Window};
+use crate::replay::what_if::{Moment, Sink, WhatIfSettings, Window};
 use crate::simulation::Trial;
+
+/// The bridge as it is where nothing is said.
+#[derive(Debug, Parser)]
+struct Driving {
+    #[command(flatten)]
+    bridge: BridgeArgs,
+}
 
 /// Standing still at least so long becomes a hold, seconds.
 const STOP_S: f64 = 10.0;
@@ -39,16 +48,64 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     engine.run(settings.clone(), Side::Recorded, &mut [&mut track])?;
     let track_settings = TrackSettings { tolerance_m: args.tolerance, stop_s: Some(STOP_S) };
     let made = mission_of_track(&track.0, &track_settings)
-        .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.name())))?;
+        .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.shown())))?;
     let route = Route::from_mission(&made.mission).map_err(Failure::failed)?;
-    tracing::info!(
-        "driving {:.0} m again: {} items, nothing of the track is farther than {:.2} m from them",
+    let what = format!(
+        "{:.0} m again: {} items, nothing of the track is farther than {:.2} m from them",
         made.length_m,
         made.mission.items.len(),
         made.deviation_m
     );
-    let name = format!("{}, driven again", files.name());
-    let drivable = Drivable { name, mission: made.mission, route };
+    let drivable = Drivable { name: format!("{}, driven again", files.name()), mission: made.mission, route };
+    match &args.to {
+        Some(url) => on_a_boat(args, url, &settings, &drivable, &what),
+        None => {
+            tracing::info!("driving {what}");
+            in_the_simulator(args, settings, drivable)
+        }
+    }
+}
+
+/// Stores the mission on the flight controller, then drives it as `helmlink bridge` does.
+fn on_a_boat(
+    args: &ReplayArgs,
+    url: &LinkUrl,
+    settings: &WhatIfSettings,
+    drivable: &Drivable,
+    what: &str,
+) -> Result<(), Failure> {
+    if !args.yes_send {
+        let when = if args.arm { "at once" } else { "as soon as it is armed" };
+        return Err(Failure::usage(format!(
+            "this would replace the mission of the boat at {url} and drive it {when}: {what}; if that is what you want, \
+             and the water there is clear, add --yes-send"
+        )));
+    }
+    let vehicle = VehicleArgs { connect: url.clone(), wait: args.wait };
+    mission::send_mission(&vehicle, &args.common, &drivable.mission)?;
+    tracing::info!("on board and compared: {} items; driving {what}", drivable.mission.items.len());
+    let (url, wait, gcs) =
+        (url.to_string(), args.wait.to_string(), settings.ground_station_system.to_string());
+    let mut arguments = vec!["replay", "--connect", &url, "--wait", &wait, "--gcs-system", &gcs];
+    arguments.extend([
+        "--boat",
+        &settings.boat.name,
+        "--output",
+        settings.output.as_str(),
+        "--engage",
+        "--once",
+    ]);
+    if args.arm {
+        arguments.push("--arm");
+    } else {
+        tracing::info!("arm the boat when it may drive; Ctrl-C lets go of it");
+    }
+    let mut driving = Driving::try_parse_from(arguments).map_err(Failure::failed)?.bridge;
+    driving.common = args.common.clone();
+    bridge::run(&driving)
+}
+
+fn in_the_simulator(args: &ReplayArgs, settings: WhatIfSettings, drivable: Drivable) -> Result<(), Failure> {
     let hull = settings.boat.name.clone();
     let defaults = Defaults::try_parse_from(["replay", "--boat", &hull]).map_err(Failure::failed)?;
     let world = World::from_args(&defaults.world).map_err(|error| {

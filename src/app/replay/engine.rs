@@ -53,7 +53,7 @@ impl Engine {
     /// # Errors
     /// The log cannot be read, or holds no vehicle.
     pub(in crate::app) fn scan(files: LogFiles, system: Option<u8>) -> Result<Self, Failure> {
-        let name = files.name();
+        let name = files.shown();
         let scan =
             Scan::of(files.open()).map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))?;
         if scan.records == 0 {
@@ -139,7 +139,7 @@ impl Engine {
         );
         let mut all = Fan { picture: PictureSink::new(side), sinks };
         let mut log = Ordered::new(self.files.open(), self.scan.disordered > 0);
-        let read_on = |error| Failure::failed(format!("cannot read {}: {error}", self.files.name()));
+        let read_on = |error| Failure::failed(format!("cannot read {}: {error}", self.files.shown()));
         while log
             .next(|time_us, frame| {
                 if let Ok(message) = frame.decode() {
@@ -150,7 +150,7 @@ impl Engine {
             .map_err(read_on)?
         {}
         let wall_s = started.elapsed().as_secs_f64();
-        let run = all.picture.to_run(&what_if);
+        let run = all.picture.to_run(&what_if, &self.scan);
         let picture = all.picture;
         let (result, faults) = what_if.finish();
         let notes = self.notes.iter().cloned().chain(faults).collect();

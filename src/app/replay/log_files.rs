@@ -50,6 +50,15 @@ impl LogFiles {
         &self.paths
     }
 
+    /// The files, for a complaint.
+    pub(in crate::app) fn shown(&self) -> String {
+        match self.paths.as_slice() {
+            [] => "the log".to_owned(),
+            [path] => path.display().to_string(),
+            [path, others @ ..] => format!("{} (and {} more)", path.display(), others.len()),
+        }
+    }
+
     /// What the log is called.
     pub(in crate::app) fn name(&self) -> String {
         let stem = self.paths.first().and_then(|path| path.file_stem());

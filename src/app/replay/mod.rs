@@ -32,7 +32,11 @@ Examples:
   helmlink replay flight.tlog --compare calm.toml lively.toml
   helmlink replay flight.tlog --to udpout:127.0.0.1:14550 --yes-send --speedup 4 --loop
 
-Whatever the controller says here, the boat goes where it went: the log is an open loop.")]
+  helmlink replay flight.tlog --drive                    the recorded track again, in the simulator
+  helmlink replay flight.tlog --drive --to serial:/dev/ttyAMA0:921600 --yes-send
+
+Whatever the controller says here, the boat goes where it went: the log is an open loop. With --drive it is
+driven again: on a boat the track is stored as its mission, and the bridge drives it once the boat is armed.")]
 pub struct ReplayArgs {
     /// The log, or all files of one recording in order, or the folder that holds them
     #[arg(required = true, value_name = "LOG")]
@@ -73,18 +77,22 @@ pub struct ReplayArgs {
     /// Write track, state, errors, commands and parameters for Foxglove
     #[arg(long, value_name = "FILE")]
     pub mcap: Option<PathBuf>,
-    /// Drive the recorded track again, in the simulator in calm water
-    #[arg(long, conflicts_with_all = ["proof", "compare", "out", "mcap", "to", "mission"])]
+    /// Drive the recorded track again: in the simulator in calm water, or with --to on a boat
+    #[arg(long, conflicts_with_all = ["proof", "compare", "out", "mcap", "mission"])]
     pub drive: bool,
     /// How far the mission that is driven again may be from the recorded track, m
     #[arg(long, default_value_t = 1.0, value_name = "M")]
     pub tolerance: f64,
-    /// Play the log to this link instead: udpout:HOST:PORT, tcpin:HOST:PORT, serial:DEVICE:BAUD, …
+    /// Play the log to this link instead: udpout:HOST:PORT, tcpin:HOST:PORT, serial:DEVICE:BAUD, …; with --drive,
+    /// where the boat's flight controller is
     #[arg(long, value_name = "URL", conflicts_with_all = ["proof", "compare", "out", "mcap"])]
     pub to: Option<LinkUrl>,
-    /// Yes, send the recorded frames to --to
+    /// Yes, send the recorded frames to --to; with --drive, the mission, and steer
     #[arg(long)]
     pub yes_send: bool,
+    /// With --drive --to: arm the motors as well; otherwise the boat waits for somebody to arm it
+    #[arg(long, requires_all = ["drive", "to"])]
+    pub arm: bool,
     /// Play commands, overrides and mission uploads too, not only what vehicles and others report
     #[arg(long)]
     pub commands: bool,
@@ -149,10 +157,10 @@ impl WindowName {
 
 pub(super) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let files = LogFiles::find(&args.log)?;
-    if let Some(url) = &args.to {
-        play::run(args, &files, url)
-    } else if args.drive {
+    if args.drive {
         drive::run(args, &files)
+    } else if let Some(url) = &args.to {
+        play::run(args, &files, url)
     } else if args.proof {
         proof::run(args, &files)
     } else if args.compare.is_empty() {

@@ -8,10 +8,11 @@ use helmlink_wire::tlog::Index;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 use super::{LogFiles, ReplayArgs};
-use crate::app::bridge::{interrupted, unix_time_us};
+use crate::app::bridge::interrupted;
 use crate::app::console::{self, ProgressLine};
 use crate::app::edge::{Edge, Party, Seen};
 use crate::app::failure::Failure;
+use crate::app::recorder::unix_time_us;
 use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::replay::play::{PlayFilter, PlaySettings, Player, message_id};
 
@@ -78,8 +79,11 @@ fn filter(args: &ReplayArgs) -> Result<PlayFilter, Failure> {
 
 async fn play(args: &ReplayArgs, url: &LinkUrl, player: Player<File>) -> Result<(), Failure> {
     let mut hub = Hub::new(LinkSettings::default());
-    hub.open(url).await.map_err(Failure::usage)?;
+    let endpoint = hub.open(url).await.map_err(Failure::usage)?;
     tracing::info!("playing {:.1} s at {} × to {url}", player.length_s(), args.speedup);
+    if let Some(address) = hub.local_address(endpoint) {
+        tracing::info!("listening at {address}");
+    }
     let mut edge = Edge::new(
         Station { player, links: Vec::new(), due: Vec::new(), begun: false, error: None },
         hub,

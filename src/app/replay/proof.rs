@@ -32,7 +32,7 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     let started = Instant::now();
     let proof = Recording::open(files.open()).and_then(prove).map_err(|error| match error {
         RecordingError::NotARecording | RecordingError::Header(_) | RecordingError::Io(_) => {
-            Failure::usage(format!("{}: {error}", files.name()))
+            Failure::usage(format!("{}: {error}", files.shown()))
         }
         _ => Failure::failed(format!("nothing is proven: {error}")),
     })?;

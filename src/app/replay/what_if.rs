@@ -68,7 +68,7 @@ pub(super) fn check_driven(engine: &Engine, outcome: &Outcome, args: &ReplayArgs
     } else {
         Failure::usage(format!(
             "{}: no mission to replay: give one with --mission FILE",
-            engine.files().name()
+            engine.files().shown()
         ))
     })
 }

@@ -166,6 +166,22 @@ mod tests {
     }
 
     #[test]
+    fn every_range_is_the_one_that_is_kept_to() {
+        for boat in ["otter", "motorboat", "monohull38", "skiff"] {
+            let factory = Tunables { boat: Boat::embedded(boat).unwrap(), ..factory() };
+            for (index, parameter) in PARAMETERS.iter().enumerate() {
+                let (least, most) = parameter.range(&factory);
+                let value = f64::from(factory.value(index).unwrap());
+                assert!((least..=most * 1.000_001).contains(&value), "{boat}, {}: {value}", parameter.name);
+                for beyond in [least - 0.5, most * 1.001 + 0.5] {
+                    let refusal = factory.clone().set(parameter.name, beyond as f32);
+                    assert!(refusal.is_err(), "{boat}, {}: {beyond} was taken", parameter.name);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_damaged_file_costs_only_its_damaged_lines() {
         let mut tunables = factory();
         let complaints =

@@ -22,7 +22,7 @@ fn limit(failsafe: Failsafe) -> Option<f64> {
 }
 
 /// Time from the fault to the bridge's decision, at most, seconds.
-fn decision_s(failsafe: Failsafe) -> f64 {
+pub(super) fn decision_s(failsafe: Failsafe) -> f64 {
     let limit_s = match failsafe {
         Failsafe::CrossTrack | Failsafe::PositionJump | Failsafe::Fence | Failsafe::Battery => 0.0,
         _ => limit(failsafe).unwrap_or(failsafe.definition().limit),
@@ -32,6 +32,8 @@ fn decision_s(failsafe: Failsafe) -> f64 {
             // The boat has to get there first, or to lose its way.
             Failsafe::Fence => 25.0,
             Failsafe::NoProgress | Failsafe::Saturated => 15.0,
+            // What was changed is told at once, or read within five seconds.
+            Failsafe::OutputRefused => 6.0,
             // Told once a second.
             Failsafe::Battery | Failsafe::GroundStation => 2.5,
             // It is silent while it starts.
@@ -45,7 +47,7 @@ fn tampered(change: impl FnMut(&mut Message) -> bool + 'static) -> Option<Tamper
 }
 
 /// Makes it go wrong.
-fn break_it(rig: &mut Rig, failsafe: Failsafe) {
+pub(super) fn break_it(rig: &mut Rig, failsafe: Failsafe) {
     match failsafe {
         Failsafe::LinkLost => rig.cut = true,
         Failsafe::Rebooted => rig.sitl.inject(Fault::Reboot).unwrap(),
@@ -103,6 +105,8 @@ fn break_it(rig: &mut Rig, failsafe: Failsafe) {
             let now = rig.now;
             rig.bridge().set_recording_failed(now, true);
         }
+        // Somebody takes the right to override.
+        Failsafe::OutputRefused => rig.set_parameter("SYSID_MYGCS", 42.0),
         // Its fence ends ahead of the boat: it only has to go on.
         Failsafe::Fence => {}
     }
@@ -116,8 +120,9 @@ fn move_by(message: &mut Message, north_e7: i32, east_e7: i32) -> bool {
     true
 }
 
-fn rig(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -> Rig {
-    let mut rig = Rig::new(Setup::new(output, receiver), |settings| {
+/// A boat under way, ready for this fault.
+pub(super) fn rig(failsafe: Failsafe, action: Action, setup: Setup) -> Rig {
+    let mut rig = Rig::new(setup, |settings| {
         let rule = settings.failsafes.rule_mut(failsafe);
         (rule.limit, rule.action) = (limit(failsafe), Some(action));
         if failsafe == Failsafe::Saturated {
@@ -143,7 +148,7 @@ fn rig(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -
 
 /// What went otherwise than it should.
 fn check(failsafe: Failsafe, action: Action, output: OutputKind, receiver: bool) -> Result<(), String> {
-    let mut rig = rig(failsafe, action, output, receiver);
+    let mut rig = rig(failsafe, action, Setup::new(output, receiver));
     let broken_at = rig.now;
     break_it(&mut rig, failsafe);
     if action == Action::Warn {
@@ -195,6 +200,10 @@ fn check_output(output: OutputKind) {
     let mut faults = Vec::new();
     for definition in &DEFINITIONS {
         for &action in definition.allowed {
+            // Setpoints are taken from whoever sends them.
+            if definition.failsafe == Failsafe::OutputRefused && !output.uses_sticks() {
+                continue;
+            }
             for receiver in [true, false] {
                 if let Err(fault) = check(definition.failsafe, action, output, receiver) {
                     let receiver = if receiver { "receiver" } else { "no receiver" };

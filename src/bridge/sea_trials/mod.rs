@@ -1,6 +1,12 @@
 //! The bridge against the simulated boat, on simulated time, with everything going wrong on purpose.
 
+mod bad_links;
+mod company;
 mod figures;
+mod gone;
 mod matrix;
+mod recordings;
+mod rejoining;
 mod rig;
 mod services;
+mod survey;

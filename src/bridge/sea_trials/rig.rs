@@ -5,10 +5,10 @@ use std::time::Duration;
 use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
 use helmlink_mission::plan::{Item, Mission};
 use helmlink_mission::protocol::MissionType;
-use helmlink_mission::protocol::client::{Exchange, Upload};
+use helmlink_mission::protocol::client::{Exchange, TransferError, Upload};
 use helmlink_sitl::physics::Hull;
 use helmlink_sitl::{AutopilotSettings, Sitl, SitlSettings};
-use helmlink_wire::dialect::HEARTBEAT_DATA;
+use helmlink_wire::dialect::{CharArray, HEARTBEAT_DATA, PARAM_SET_DATA};
 use helmlink_wire::{Encoder, Framer, Identity, LinkId, Message, enums};
 
 use crate::bridge::{Bridge, BridgeSettings, Event};
@@ -18,10 +18,10 @@ use crate::vehicle::streams::{command_long, set_mode};
 use crate::vehicle::{Mode, OutputKind};
 
 const LOOP: Duration = Duration::from_millis(20);
-const TO_BRIDGE: LinkId = LinkId(1);
+pub(super) const TO_BRIDGE: LinkId = LinkId(1);
 const TO_STATION: LinkId = LinkId(2);
 /// The ground station's own link to the bridge, where there is one.
-const DIRECT: LinkId = LinkId(3);
+pub(super) const DIRECT: LinkId = LinkId(3);
 pub(super) const VEHICLE: Identity = Identity { system: 1, component: 1 };
 pub(super) const BRIDGE: Identity = Identity { system: 1, component: 191 };
 pub(super) const STATION: Identity = Identity { system: 255, component: 190 };
@@ -42,10 +42,13 @@ pub(super) struct Rig {
     pub(super) sitl: Sitl,
     pub(super) bridge: Option<Bridge>,
     pub(super) settings: BridgeSettings,
+    recorded: bool,
     pub(super) now: Duration,
     /// Nothing gets through between bridge and boat.
     pub(super) cut: bool,
     pub(super) tamper: Option<Tamper>,
+    /// The boat's link as the bridge sees it.
+    pub(super) line: LinkId,
     pub(super) steering: Vec<Sent>,
     pub(super) events: Vec<(Duration, Event)>,
     /// The ground station sends its heartbeat.
@@ -68,13 +71,22 @@ pub(super) struct Setup {
     pub(super) hull: &'static str,
     pub(super) waypoints: Vec<(f64, f64)>,
     pub(super) parameters: Vec<(String, f32)>,
+    /// The bridge keeps a journal.
+    pub(super) recorded: bool,
+    /// Of everything random in the simulator.
+    pub(super) seed: u64,
 }
 
 impl Setup {
     pub(super) fn new(output: OutputKind, receiver: bool) -> Self {
         // Without a receiver the boat can only be armed with the throttle failsafe off, as a real one.
         let parameters = if receiver { vec![] } else { vec![("FS_THR_ENABLE".to_owned(), 0.0)] };
-        Self { output, receiver, hull: "otter", waypoints: vec![(20.0, 0.0), (600.0, 0.0)], parameters }
+        let waypoints = vec![(20.0, 0.0), (600.0, 0.0)];
+        Self { output, receiver, hull: "otter", waypoints, parameters, recorded: false, seed: 1 }
+    }
+
+    pub(super) fn recorded(output: OutputKind) -> Self {
+        Self { recorded: true, ..Self::new(output, true) }
     }
 }
 
@@ -90,6 +102,7 @@ impl Rig {
     pub(super) fn new(setup: Setup, change: impl FnOnce(&mut BridgeSettings)) -> Self {
         let mut settings = SitlSettings::new(Hull::builtin(setup.hull).unwrap());
         settings.home = HOME;
+        settings.seed = setup.seed;
         settings.autopilot = AutopilotSettings {
             has_rc_receiver: setup.receiver,
             parameters: setup.parameters,
@@ -107,9 +120,11 @@ impl Rig {
             sitl,
             bridge: None,
             settings,
+            recorded: setup.recorded,
             now: Duration::ZERO,
             cut: false,
             tamper: None,
+            line: TO_BRIDGE,
             steering: Vec::new(),
             events: Vec::new(),
             station_talks: true,
@@ -128,6 +143,9 @@ impl Rig {
     /// Starts a bridge, as after a restart of the companion.
     pub(super) fn start_bridge(&mut self) {
         let mut bridge = Bridge::new(self.settings.clone());
+        if self.recorded {
+            bridge.keep_journal(0);
+        }
         bridge.link_up(self.now, TO_BRIDGE);
         self.bridge = Some(bridge);
     }
@@ -194,26 +212,47 @@ impl Rig {
         self.bridge().on_bytes(now, DIRECT, &bytes, true);
     }
 
+    /// The ground station sets a parameter of the flight controller.
+    pub(super) fn set_parameter(&mut self, name: &str, param_value: f32) {
+        self.say(&Message::PARAM_SET(PARAM_SET_DATA {
+            param_id: CharArray::from(name),
+            param_value,
+            param_type: enums::MAV_PARAM_TYPE_INT16,
+            target_system: VEHICLE.system,
+            target_component: VEHICLE.component,
+        }));
+    }
+
     pub(super) fn choose(&mut self, mode: Mode) {
         self.say(&set_mode(VEHICLE, mode));
     }
 
     /// The ground station uploads a plan.
     pub(super) fn upload(&mut self, mission_type: MissionType, items: Vec<Item>) {
+        assert_eq!(self.try_to_upload(mission_type, items, |_| {}).err(), None);
+    }
+
+    /// The same, looking at all parties at every step.
+    pub(super) fn try_to_upload(
+        &mut self,
+        mission_type: MissionType,
+        items: Vec<Item>,
+        mut look: impl FnMut(&Self),
+    ) -> Result<(), TransferError> {
         let exchange = Exchange::with_ardupilot(STATION, VEHICLE, mission_type);
         let mut upload = Upload::new(exchange, &Mission { home: None, items });
-        let until = self.now + Duration::from_secs(20);
-        while upload.outcome().is_none() && self.now < until {
+        while upload.outcome().is_none() {
             if let Some(message) = upload.poll(self.now) {
                 self.say(&message);
             }
             self.heard.clear();
             self.step();
+            look(self);
             for (from, message) in std::mem::take(&mut self.heard) {
                 upload.on_message(self.now, from, &message);
             }
         }
-        assert_eq!(upload.outcome().unwrap().err(), None);
+        upload.outcome().unwrap()
     }
 
     pub(super) fn texts(&self) -> Vec<&str> {
@@ -261,7 +300,7 @@ impl Rig {
                     self.steering.push(Sent { at: self.now, message });
                 }
             }
-            if !self.cut {
+            if !self.cut && link == self.line {
                 self.sitl.on_bytes(TO_BRIDGE, &bytes);
             }
         }
@@ -273,7 +312,7 @@ impl Rig {
     fn tell_bridge(&mut self, bytes: &[u8]) {
         let Some(bridge) = self.bridge.as_mut().filter(|_| !self.cut) else { return };
         let Some(tamper) = &mut self.tamper else {
-            return bridge.on_bytes(self.now, TO_BRIDGE, bytes, false);
+            return bridge.on_bytes(self.now, self.line, bytes, false);
         };
         self.framers[0].push(bytes);
         while let Some(frame) = self.framers[0].next_frame() {
@@ -281,7 +320,7 @@ impl Rig {
             if tamper(&mut message) {
                 let mut changed = Vec::new();
                 self.encoders[1].encode(frame.identity(), &message, &mut changed);
-                bridge.on_bytes(self.now, TO_BRIDGE, &changed, false);
+                bridge.on_bytes(self.now, self.line, &changed, false);
             }
         }
     }

@@ -4,11 +4,11 @@ use helmlink_mission::protocol::MissionType;
 use helmlink_wire::dialect::{
     COMMAND_LONG_DATA, CharArray, MISSION_CLEAR_ALL_DATA, PARAM_REQUEST_LIST_DATA, PARAM_SET_DATA,
 };
-use helmlink_wire::{Identity, Message, enums};
+use helmlink_wire::{Framer, Identity, Message, enums};
 
 use super::rig::*;
-use crate::bridge::controller_state;
 use crate::bridge::parameters::PARAMETERS;
+use crate::bridge::{Health, controller_state};
 use crate::pilot::supervisor::State;
 use crate::vehicle::{Mode, OutputKind};
 
@@ -82,6 +82,30 @@ fn a_ground_station_on_the_bridges_own_link_reaches_the_flight_controller() {
         rig.heard_directly.iter().filter(|(_, message)| controller_state::from_message(message).is_some());
     let states = states.count();
     assert!((11..=22).contains(&states), "{states}");
+}
+
+#[test]
+fn the_ground_station_hears_how_the_process_is_and_which_failsafes_have_acted_is_counted() {
+    let mut rig = under_way();
+    let now = rig.now;
+    rig.bridge().station_link_up(now, DIRECT);
+    rig.bridge().set_health(now, Health { late_ms: 1.5, cpu_percent: 2.5, memory_mb: 6.5 });
+    rig.run(3.0);
+    let named = |rig: &Rig, wanted: &str| -> Vec<f32> {
+        let values = rig.heard_directly.iter().filter_map(|(_, message)| match message {
+            Message::NAMED_VALUE_FLOAT(data) if data.name.to_str() == Ok(wanted) => Some(data.value),
+            _ => None,
+        });
+        values.collect()
+    };
+    assert_eq!(["HL_LATE", "HL_CPU", "HL_MEM"].map(|name| named(&rig, name)), [[1.5], [2.5], [6.5]]);
+    let now = rig.now;
+    rig.bridge().set_recording_failed(now, true);
+    rig.run(1.0);
+    rig.choose(Mode::HOLD);
+    rig.run(1.0);
+    let counts: Vec<_> = rig.bridge().counts().failsafes().filter(|(_, count)| *count > 0).collect();
+    assert_eq!(counts, [("mode-changed", 1), ("recording", 1)]);
 }
 
 fn set(rig: &mut Rig, name: &str, param_value: f32) -> Vec<Message> {
@@ -170,6 +194,26 @@ fn a_mission_cleared_under_way_ends_in_loiter() {
     assert!(rig.run_until(10.0, |rig| rig.state() == State::Holding), "{:?}", rig.texts());
     rig.run(1.2);
     assert_eq!(rig.mode, Mode::LOITER);
+}
+
+#[test]
+fn a_bridge_that_cannot_go_on_stops_the_boat_and_lets_go() {
+    for output in OutputKind::ALL {
+        let mut rig = Rig::under_way(Setup::new(output, true), |_| {});
+        rig.bridge().abandon();
+        let mut framer = Framer::new();
+        while let Some((_, bytes)) = rig.bridge().poll_transmit() {
+            framer.push(&bytes);
+        }
+        let mut sent = Vec::new();
+        while let Some(frame) = framer.next_frame() {
+            sent.extend(frame.decode().ok().filter(is_steering));
+        }
+        let (released, driven): (Vec<_>, Vec<_>) = sent.iter().partition(|message| is_release(message));
+        assert!(!driven.is_empty() && driven.iter().all(|message| is_neutral(message)), "{output}: {sent:?}");
+        assert_eq!(!released.is_empty(), output.uses_sticks(), "{output}: {sent:?}");
+        assert_eq!(sent.last().is_some_and(is_release), output.uses_sticks(), "{output}: {sent:?}");
+    }
 }
 
 #[test]

@@ -21,9 +21,22 @@ impl Boat {
         check(&self.limit_rules())?;
         check(&self.observer_rules())?;
         check(&self.guidance_rules())?;
-        check(&[("control.heading_gain", self.control.heading_gain, TINY, 10.0, "k_psi, 1/s")])?;
-        check(&axis_rules(&self.control.surge, &SURGE_KEYS))?;
-        check(&axis_rules(&self.control.yaw, &YAW_KEYS))
+        check(&self.control_rules())
+    }
+
+    /// Least and largest value of a limit or a gain by its key in the boat file, such as `guidance.lead_m`; some of them
+    /// depend on other values of this boat. None for keys of other parts.
+    pub fn range(&self, key: &str) -> Option<(f64, f64)> {
+        let rules = [&self.limit_rules()[..], &self.guidance_rules(), &self.control_rules()].concat();
+        rules.iter().find(|rule| rule.0 == key).map(|&(_, _, least, most, _)| (least, most))
+    }
+
+    fn control_rules(&self) -> Vec<Rule> {
+        let heading = ("control.heading_gain", self.control.heading_gain, TINY, 10.0, "k_psi, 1/s");
+        let mut rules = vec![heading];
+        rules.extend(axis_rules(&self.control.surge, &SURGE_KEYS));
+        rules.extend(axis_rules(&self.control.yaw, &YAW_KEYS));
+        rules
     }
 
     fn hull_rules(&self) -> [Rule; 12] {

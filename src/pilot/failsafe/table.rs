@@ -70,6 +70,9 @@ const ANY: &[Action] =
     &[Action::Warn, Action::HoldPosition, Action::ReturnToLaunch, Action::NeutralAndRelease];
 /// No mode that needs a position can be asked for.
 const BLIND: &[Action] = &[Action::NeutralAndRelease];
+/// The boat obeys modes, but none of the bridge's commands.
+const DEAF: &[Action] =
+    &[Action::HoldPosition, Action::ReturnToLaunch, Action::NeutralAndRelease, Action::LetGo];
 /// There is no choice.
 const GONE: &[Action] = &[Action::LetGo];
 
@@ -130,6 +133,9 @@ failsafes! {
     /// The motors have been disarmed.
     disarmed, Disarmed, "disarmed": 0.0 in 0.0..0.0 "", LetGo of GONE,
         "the motors were disarmed";
+    /// The flight controller's parameters no longer let it obey the bridge.
+    output_refused, OutputRefused, "output-refused": 0.0 in 0.0..0.0 "", NeutralAndRelease of DEAF,
+        "the flight controller no longer obeys overrides (SYSID_MYGCS, RC_OVERRIDE_TIME)";
     /// The last position is older than the limit.
     position_age, PositionAge, "position-age": 3.0 in 0.5..30.0 "s", NeutralAndRelease of BLIND,
         "age of the last valid position";
@@ -192,6 +198,7 @@ impl Failsafe {
             Self::Rebooted => "the flight controller has restarted".to_owned(),
             Self::ModeChanged => "the mode was changed".to_owned(),
             Self::Disarmed => "the motors are disarmed".to_owned(),
+            Self::OutputRefused => "the flight controller no longer obeys the bridge".to_owned(),
             Self::PositionAge if value.is_infinite() => "no valid position".to_owned(),
             Self::PositionAge => format!("no valid position for {value:.1} s"),
             Self::HeadingAge if value.is_infinite() => "no heading".to_owned(),

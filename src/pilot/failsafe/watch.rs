@@ -32,6 +32,8 @@ pub struct Observation {
     pub heading_age_s: f64,
     /// The estimator vouches for heading and position.
     pub estimator_ready: bool,
+    /// The flight controller no longer takes the commands of the chosen output.
+    pub output_refused: bool,
     /// The last position.
     pub fix: Option<PositionFix>,
     /// Age of the ground station's heartbeat, seconds; none while it has never been heard.
@@ -159,6 +161,7 @@ impl Watch {
         match failsafe {
             // The state machine sees these for itself, at once.
             Failsafe::LinkLost | Failsafe::Rebooted | Failsafe::ModeChanged | Failsafe::Disarmed => None,
+            Failsafe::OutputRefused => seen.output_refused.then_some(f64::INFINITY),
             Failsafe::PositionAge => Some(seen.position_age_s),
             Failsafe::HeadingAge => Some(seen.heading_age_s),
             Failsafe::Estimator => self.lasting(now_s, failsafe, !seen.estimator_ready),

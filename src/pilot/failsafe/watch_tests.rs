@@ -8,6 +8,7 @@ fn fine(now_s: f64) -> Observation {
         position_age_s: 0.1,
         heading_age_s: 0.1,
         estimator_ready: true,
+        output_refused: false,
         fix: Some(PositionFix { boot_s: now_s, place: velocity * now_s, velocity }),
         ground_station_age_s: Some(1.0),
         battery_percent: Some(80.0),
@@ -27,6 +28,7 @@ fn fine(now_s: f64) -> Observation {
 fn broken(failsafe: Failsafe, mut seen: Observation, limit: f64, passed: f64) -> Observation {
     let value = limit + passed;
     match failsafe {
+        Failsafe::OutputRefused => seen.output_refused = true,
         Failsafe::PositionAge => seen.position_age_s = value,
         Failsafe::HeadingAge => seen.heading_age_s = value,
         Failsafe::Estimator => seen.estimator_ready = false,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use super::state::{Lack, State};
-use crate::pilot::failsafe::Trip;
+use crate::pilot::failsafe::{Failsafe, Trip};
 use crate::vehicle::Mode;
 
 /// What somebody asks of the bridge.
@@ -59,6 +59,20 @@ pub enum Reason {
     StopRequested,
     /// The boat has been let go.
     LetGo,
+}
+
+impl Reason {
+    /// The failsafe that is behind it, if one is.
+    pub fn failsafe(&self) -> Option<Failsafe> {
+        match self {
+            Self::PilotTookOver(_) => Some(Failsafe::ModeChanged),
+            Self::Disarmed => Some(Failsafe::Disarmed),
+            Self::Rebooted => Some(Failsafe::Rebooted),
+            Self::LinkLost => Some(Failsafe::LinkLost),
+            Self::Failsafe(trip) => Some(trip.failsafe),
+            _ => None,
+        }
+    }
 }
 
 /// One change of state, for the log and the ground station.

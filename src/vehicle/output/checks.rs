@@ -3,6 +3,11 @@
 use super::OutputKind;
 use crate::vehicle::parameters::ParameterReader;
 
+/// Parameters that may take the override right away at any time.
+pub const WATCHED: [&str; 4] = ["SYSID_MYGCS", "MAV_GCS_SYSID", "RC_OVERRIDE_TIME", "PILOT_STEER_TYPE"];
+/// The ground station whose overrides are obeyed: its name up to ArduPilot 4.6, and since.
+const STATION_NAMES: [&str; 2] = ["SYSID_MYGCS", "MAV_GCS_SYSID"];
+
 /// SERVOn_FUNCTION: steering, throttle, left and right thruster.
 const STEERING: f64 = 26.0;
 const THROTTLE_LEFT: f64 = 73.0;
@@ -17,9 +22,10 @@ pub fn obstacle(kind: OutputKind, ground_station_system: u8, parameters: &Parame
         return None;
     }
     let own_system = f64::from(ground_station_system);
-    if let Some(system) = parameters.value("SYSID_MYGCS").filter(|system| *system != own_system) {
+    let station = STATION_NAMES.iter().find_map(|name| parameters.value(name).map(|system| (name, system)));
+    if let Some((name, system)) = station.filter(|(_, system)| *system != own_system) {
         return Some(format!(
-            "the flight controller obeys overrides only from system {system} (SYSID_MYGCS): set that to \
+            "the flight controller obeys overrides only from system {system} ({name}): set that to \
              {own_system}, start helmlink with --gcs-system {system}, or use --output guided"
         ));
     }
@@ -75,6 +81,7 @@ mod tests {
     fn with(values: &[(&str, f32)]) -> ParameterReader {
         let mut parameters = ParameterReader::new(&PARAMETERS);
         parameters.wish_for(&OPTIONAL_PARAMETERS);
+        parameters.require(&WATCHED);
         for &(name, param_value) in values {
             let param_id = CharArray::from(name);
             parameters.on_value(&PARAM_VALUE_DATA { param_id, param_value, ..PARAM_VALUE_DATA::DEFAULT });
@@ -87,6 +94,7 @@ mod tests {
         let sound = with(&[("SYSID_MYGCS", 255.0), ("RC_OVERRIDE_TIME", 3.0), ("PILOT_STEER_TYPE", 0.0)]);
         for (name, value) in [
             ("SYSID_MYGCS", 42.0),
+            ("MAV_GCS_SYSID", 42.0),
             ("RC_OVERRIDE_TIME", 0.0),
             ("RC_OVERRIDE_TIME", -1.0),
             ("PILOT_STEER_TYPE", 1.0),

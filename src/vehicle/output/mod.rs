@@ -70,6 +70,16 @@ pub const OPTIONAL_PARAMETERS: [&str; 8] = [
     "SERVO4_FUNCTION",
 ];
 
+/// What is to be read once [`PARAMETERS`] have been answered: the calibration of the channels in use, and the ground
+/// station's id under its newer name where the older one is not known.
+pub fn further_parameters(parameters: &ParameterReader) -> Vec<&'static str> {
+    let mut names = channel_parameters(parameters);
+    if parameters.value("SYSID_MYGCS").is_none() {
+        names.push("MAV_GCS_SYSID");
+    }
+    names
+}
+
 /// The calibration parameters of the channels that steer, as far as the channel map is known.
 pub fn channel_parameters(parameters: &ParameterReader) -> Vec<&'static str> {
     let mapped =

@@ -56,6 +56,19 @@ fn a_survey_is_the_items_stored_in_it() {
 }
 
 #[test]
+fn a_scan_without_items_is_the_places_of_its_transects() {
+    let mut scan = survey(json!([]));
+    scan["TransectStyleComplexItem"]["VisualTransectPoints"] = json!([[59.91, 10.7], [59.92, 10.7, 3.0]]);
+    let mission: Mission = plan(json!([waypoint(59.9, 10.7), scan.clone()])).parse().unwrap();
+    let places: Vec<_> = mission.items.iter().map(|item| (item.x, item.y)).collect();
+    assert_eq!(places, [599_000_000, 599_100_000, 599_200_000].map(|x| (x, 107_000_000)));
+    scan["TransectStyleComplexItem"]["VisualTransectPoints"] = json!([[59.91, 10.7], ["here", 10.7]]);
+    assert!(
+        matches!(fault(&plan(json!([scan]))), (Place::Item(1), Fault::Json(text)) if text.contains("no position"))
+    );
+}
+
+#[test]
 fn says_which_item_and_what_is_wrong() {
     let here = || waypoint(59.9, 10.7);
     assert_eq!(fault(&plan(json!([]))), (Place::File, Fault::Empty));
@@ -63,8 +76,17 @@ fn says_which_item_and_what_is_wrong() {
         fault(&plan(json!([here(), survey(json!([]))]))),
         (Place::Item(2), Fault::ComplexItem("survey".into()))
     );
-    let scan = json!({"type": "ComplexItem", "complexItemType": "StructureScan"});
-    assert_eq!(fault(&plan(json!([scan]))), (Place::Item(1), Fault::ComplexItem("StructureScan".into())));
+    for (kind, words) in [
+        ("StructureScan", "structure scan"),
+        ("fwLandingPattern", "landing pattern"),
+        ("vtolLandingPattern", "landing pattern"),
+    ] {
+        let aloft =
+            json!({"type": "ComplexItem", "complexItemType": kind, "landCoordinate": [59.9, 10.7, 0]});
+        let (place, fault) = fault(&plan(json!([here(), aloft])));
+        assert_eq!(place, Place::Item(2));
+        assert!(matches!(fault, Fault::NotForBoats(_)) && fault.to_string().contains(words), "{fault}");
+    }
     assert_eq!(fault(&plan(json!([{"type": "Item"}]))), (Place::Item(1), Fault::ItemType("Item".into())));
     assert_eq!(fault(&plan(json!([7]))), (Place::Item(1), Fault::ItemType("(none)".into())));
     let nowhere = fault(&plan(json!([here(), survey(json!([here(), waypoint(0.0, 0.0)]))])));
@@ -72,7 +94,7 @@ fn says_which_item_and_what_is_wrong() {
     let mut short = here();
     short["params"] = json!([0, 0, 0]);
     assert!(
-        matches!(fault(&plan(json!([short]))), (Place::Item(1), Fault::Json(text)) if text.contains("length 3"))
+        matches!(fault(&plan(json!([short]))), (Place::Item(1), Fault::Json(text)) if text.contains("3 values"))
     );
     let mut huge = here();
     huge["params"][0] = json!(1e300);

@@ -70,7 +70,7 @@ fn says_where_and_what_is_wrong() {
     assert_eq!(fault(&with("3\t0\t3\t16", "3\t0\t2\t16")).1, Fault::NoFrame(CommandName(16)));
     assert_eq!(fault("QGC WPL 110\n"), (Place::File, Fault::Empty));
     assert_eq!(fault(&LAWNMOWER[..LAWNMOWER.find("\n1").unwrap()]), (Place::File, Fault::Empty));
-    assert_eq!(fault(""), (Place::File, Fault::NotAMission(String::new())));
+    assert_eq!(fault(""), (Place::File, Fault::Nothing));
     assert_eq!(fault("<svg>"), (Place::File, Fault::NotAMission("<svg>".into())));
     for (column, from, to) in [
         ("latitude", "43.53608008", "nan"),

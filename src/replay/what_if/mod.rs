@@ -3,169 +3,41 @@
 //! The boat goes where it went, whatever the controller says: this is an open loop. It shows how the controller judges
 //! each situation, not how the boat would have moved; for that there is the simulator.
 
+mod marks;
+mod moment;
+mod result;
+mod settings;
+
 use std::collections::VecDeque;
 
-use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
+use helmlink_mission::geodesy::{LocalFrame, NorthEast};
 use helmlink_mission::plan::Mission;
 use helmlink_mission::route::Route;
 use helmlink_wire::dialect::PARAM_VALUE_DATA;
 use helmlink_wire::{Encoder, Identity, Message, enums};
-use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use self::marks::{Marks, leg_error_m};
+pub use self::moment::{Moment, Sink};
+pub use self::result::{Comparison, WhatIfResult};
+pub use self::settings::{WhatIfSettings, Window};
 use super::missions::Transferred;
 use super::proof::hex;
 use super::servo::Outputs;
 use super::watch::{Sight, Watch};
-use crate::bridge::settings;
-use crate::control::{Boat, Controller};
-use crate::guidance::VesselState;
+use crate::bridge::settings::COMPONENT;
 use crate::pilot::{MissionRun, RunSettings};
 use crate::record::ControlState;
-use crate::simulation::score::{Sample, Score, Scorer, distance_to_segment_m};
+use crate::vehicle::ParameterReader;
 use crate::vehicle::estimate::vessel_state;
 use crate::vehicle::output::{self, Demand, Output};
-use crate::vehicle::{OutputKind, ParameterReader};
 
-/// Samples of the score come at this interval of vehicle time, seconds.
-const SAMPLE_S: f64 = 0.1;
 /// A place in the mission that differs from the vehicle's own by this many waypoints is given up for the vehicle's.
 const OUT_OF_STEP: usize = 2;
-/// A command that a bridge has recorded is in force for so long, vehicle seconds.
-const COMMAND_AGE_S: f64 = 1.0;
 /// After so long, vehicle seconds.
 const OUT_OF_STEP_S: f64 = 3.0;
-
-/// When the controller is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Window {
-    /// While the boat was armed and in AUTO or GUIDED, or steered by a companion
-    Driven,
-    /// While it was armed, whoever steered
-    Armed,
-    /// Always
-    Any,
-}
-
-/// What is to be tried on a log.
-#[derive(Debug, Clone)]
-pub struct WhatIfSettings {
-    /// Model, limits and gains.
-    pub boat: Boat,
-    /// The controller.
-    pub controller: Controller,
-    /// By which messages it would steer.
-    pub output: OutputKind,
-    /// Speed over ground where the mission gives none, m/s; the vehicle's own setting if not given.
-    pub speed_mps: Option<f64>,
-    /// A mission instead of those in the log.
-    pub mission: Option<Mission>,
-    /// When the controller is asked.
-    pub window: Window,
-    /// System id of the overrides.
-    pub ground_station_system: u8,
-}
-
-/// One instant of the log at which a control step was due.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Moment {
-    /// The log's time stamp, microseconds since 1970 UTC.
-    pub time_us: u64,
-    /// Vehicle time, seconds.
-    pub time_s: f64,
-    /// Where the boat was.
-    pub place: Geodetic,
-    /// The boat in the local frame.
-    pub state: VesselState,
-    /// What the controller thinks; none while it is not asked.
-    pub thought: Option<ControlState>,
-    /// What went to motors and rudder.
-    pub outputs: Option<Outputs>,
-    /// What a bridge had thought when the log was made.
-    pub recorded: Option<ControlState>,
-    /// Distance to the right of the straight leg being driven, metres.
-    pub leg_error_m: Option<f64>,
-}
-
-/// Takes what comes out.
-pub trait Sink {
-    /// A control step was due.
-    fn moment(&mut self, moment: &Moment);
-    /// The controller sends a frame.
-    fn command(&mut self, time_us: u64, frame: &[u8]);
-    /// Something happened at this vehicle time, seconds.
-    fn event(&mut self, time_s: f64, text: &str);
-}
-
-/// How the controller's commands compare with what was put out, over the samples in which both are known.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Comparison {
-    /// Samples, ten per vehicle second.
-    pub samples: u64,
-    /// Root mean square of the difference in steering, −1…1 each.
-    pub steering_rms: f64,
-    /// Root mean square of the difference in throttle.
-    pub throttle_rms: f64,
-    /// Correlation of the two steerings, −1…1; none where one of them never moved.
-    pub steering_correlation: Option<f64>,
-}
-
-/// What a log has shown.
-#[derive(Debug, Clone, Serialize)]
-pub struct WhatIfResult {
-    /// Control steps made.
-    pub steps: u64,
-    /// Vehicle time in the log, seconds.
-    pub vehicle_s: f64,
-    /// Vehicle time in which the controller was asked, seconds.
-    pub driven_s: f64,
-    /// Waypoints of the mission.
-    pub waypoints: usize,
-    /// MISSION_ITEM_REACHED messages in the log.
-    pub reached_recorded: u64,
-    /// Waypoints passed by the controller's count.
-    pub reached_replayed: u64,
-    /// Frames that steer.
-    pub commands: u64,
-    /// SHA-256 of them.
-    pub commands_sha256: String,
-    /// What was driven, with the outputs that were recorded.
-    pub recorded: Option<Score>,
-    /// What was driven, with the commands of the controller.
-    pub replayed: Option<Score>,
-    /// The two commands compared.
-    pub difference: Option<Comparison>,
-}
-
-#[derive(Debug, Default)]
-struct Sums {
-    count: u64,
-    steering: [f64; 5],
-    throttle_squared: f64,
-}
-
-impl Sums {
-    fn add(&mut self, recorded: &Outputs, replayed: &Demand) {
-        let (a, b) = (recorded.steering, replayed.steering);
-        self.count += 1;
-        for (sum, value) in self.steering.iter_mut().zip([a, b, a * a, b * b, a * b]) {
-            *sum += value;
-        }
-        self.throttle_squared += (recorded.throttle - replayed.throttle).powi(2);
-    }
-
-    fn comparison(&self) -> Option<Comparison> {
-        let n = self.count as f64;
-        let [a, b, aa, bb, ab] = self.steering.map(|sum| sum / n);
-        let spread = (aa - a * a) * (bb - b * b);
-        (self.count > 0).then(|| Comparison {
-            samples: self.count,
-            steering_rms: (aa + bb - 2.0 * ab).max(0.0).sqrt(),
-            throttle_rms: (self.throttle_squared / n).sqrt(),
-            steering_correlation: (spread > 1e-12).then(|| (ab - a * b) / spread.sqrt()),
-        })
-    }
-}
+/// A command that a bridge has recorded is in force for so long, vehicle seconds.
+const COMMAND_AGE_S: f64 = 1.0;
 
 /// Feeds a log to the controller, message by message.
 pub struct WhatIf {
@@ -182,13 +54,11 @@ pub struct WhatIf {
     was_driven: bool,
     last_s: Option<f64>,
     first_s: Option<f64>,
-    sampled_s: Option<f64>,
     out_of_step_since_s: Option<f64>,
     /// Waypoint that the vehicle is under way to, once it has said so.
     current: Option<usize>,
     recorded_thought: Option<ControlState>,
-    scorers: Option<[Scorer; 2]>,
-    sums: Sums,
+    marks: Marks,
     speed_mps: f64,
     result: WhatIfResult,
     faults: Vec<String>,
@@ -226,26 +96,12 @@ impl WhatIf {
             was_driven: false,
             last_s: None,
             first_s: None,
-            sampled_s: None,
             out_of_step_since_s: None,
             current: None,
             recorded_thought: None,
-            scorers: None,
-            sums: Sums::default(),
+            marks: Marks::default(),
             speed_mps,
-            result: WhatIfResult {
-                steps: 0,
-                vehicle_s: 0.0,
-                driven_s: 0.0,
-                waypoints: 0,
-                reached_recorded: 0,
-                reached_replayed: 0,
-                commands: 0,
-                commands_sha256: String::new(),
-                recorded: None,
-                replayed: None,
-                difference: None,
-            },
+            result: WhatIfResult::default(),
             faults,
             settings,
         };
@@ -316,8 +172,7 @@ impl WhatIf {
                 let run = MissionRun::new(route, self.settings.boat.clone(), settings);
                 self.frame = Some(*run.frame());
                 self.result.waypoints = run.waypoints().len();
-                let scorer = Scorer::new(run.waypoints().to_vec());
-                self.scorers = Some([scorer.clone(), scorer]);
+                self.marks.begin(run.waypoints());
                 self.was_driven = false;
                 self.run = Some(run);
             }
@@ -355,7 +210,7 @@ impl WhatIf {
         if let Some(demand) = demand {
             self.send(time_us, demand, sink);
         }
-        self.score(&mut moment, demand);
+        self.mark(&mut moment, demand);
         sink.moment(&moment);
     }
 
@@ -408,9 +263,9 @@ impl WhatIf {
 
     fn send(&mut self, time_us: u64, demand: Demand, sink: &mut impl Sink) {
         let own = if self.settings.output.needs_ground_station_id() {
-            Identity { system: self.settings.ground_station_system, component: settings::COMPONENT }
+            Identity { system: self.settings.ground_station_system, component: COMPONENT }
         } else {
-            Identity { system: self.vehicle.system, component: settings::COMPONENT }
+            Identity { system: self.vehicle.system, component: COMPONENT }
         };
         let mut frame = Vec::with_capacity(64);
         self.encoder.encode(own, &self.output.drive(self.vehicle, demand), &mut frame);
@@ -419,48 +274,19 @@ impl WhatIf {
         sink.command(time_us, &frame);
     }
 
-    fn score(&mut self, moment: &mut Moment, demand: Option<Demand>) {
+    fn mark(&mut self, moment: &mut Moment, demand: Option<Demand>) {
         let Some(run) = &self.run else { return };
         let progress = run.progress();
         let Some(leg) = progress.leg else { return };
         moment.leg_error_m = leg_error_m(moment.state.position, run.waypoints(), leg);
-        let Some(demand) = demand else { return };
-        let is_due = self.sampled_s.is_none_or(|then_s| moment.time_s >= then_s + SAMPLE_S - 1e-9);
-        if !is_due {
-            return;
-        }
-        self.sampled_s = Some(moment.time_s);
-        let path_error_m = moment.thought.map_or(0.0, |thought| f64::from(thought.cross_track_m).abs());
-        let sample = |steering, throttle| Sample {
-            time_s: moment.time_s,
-            position: moment.state.position,
-            speed_mps: progress.speed_mps,
-            leg,
-            path_error_m,
-            path_is_straight: false,
-            navigation_error_m: None,
-            wanted_speed_mps: progress.wanted_speed_mps,
-            steering,
-            throttle,
-        };
-        let Some([recorded, replayed]) = &mut self.scorers else { return };
-        replayed.on_sample(sample(demand.steering, demand.throttle));
-        if let Some(outputs) = moment.outputs {
-            recorded.on_sample(sample(outputs.steering, outputs.throttle));
-            self.sums.add(&outputs, &demand);
+        if let Some(demand) = demand {
+            self.marks.on_moment(moment, leg, &progress, &demand);
         }
     }
 
     /// The figures.
     pub fn finish(mut self) -> (WhatIfResult, Vec<String>) {
-        if let Some(scorers) = &self.scorers
-            && self.sampled_s.is_some()
-        {
-            let [recorded, replayed] = scorers;
-            self.result.recorded = (self.sums.count > 0).then(|| recorded.score());
-            self.result.replayed = Some(replayed.score());
-            self.result.difference = self.sums.comparison();
-        }
+        self.marks.tell(&mut self.result);
         self.result.commands_sha256 = hex(&self.commands.finalize());
         if let Some(watch) = self.watch.filter(|watch| watch.stale() > 0) {
             self.faults.push(format!("{} messages came after newer ones and were left out", watch.stale()));
@@ -496,24 +322,4 @@ fn keep_in_step(run: &mut MissionRun, current: Option<usize>, time_s: f64, since
         }
         None => *since_s = None,
     }
-}
-
-/// Distance to the right of the nearest of a leg and its neighbours, metres, as the score measures it.
-fn leg_error_m(position: NorthEast, waypoints: &[NorthEast], leg: usize) -> Option<f64> {
-    waypoints
-        .windows(2)
-        .enumerate()
-        .filter(|(index, _)| index.abs_diff(leg) <= 1)
-        .map(|(_, ends)| {
-            let distance_m = distance_to_segment_m(position, ends[0], ends[1]);
-            distance_m.copysign(signed_distance_m(position, ends[0], ends[1]))
-        })
-        .min_by(|a, b| a.abs().total_cmp(&b.abs()))
-}
-
-/// Distance to the right of the straight line from `from` to `to`, metres.
-fn signed_distance_m(point: NorthEast, from: NorthEast, to: NorthEast) -> f64 {
-    let along = to - from;
-    let length_m = along.norm();
-    if length_m == 0.0 { (point - from).norm() } else { along.cross(point - from) / length_m }
 }

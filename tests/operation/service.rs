@@ -1,42 +1,17 @@
 //! The bridge as a service: the unit file, the example configuration, systemd's notifications, figures.
 
-#![cfg(unix)]
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::os::unix::net::UnixDatagram;
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Duration;
+
+use crate::support::Folder;
+use crate::support::process::PATIENCE;
 
 const HELMLINK: &str = env!("CARGO_BIN_EXE_helmlink");
-const UNIT: &str = include_str!("../packaging/helmlink.service");
+const UNIT: &str = include_str!("../../packaging/helmlink.service");
 const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/packaging/helmlink.toml");
-/// No step takes longer, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A folder of its own, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("helmlink-service-{}-{number}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        fs::remove_dir_all(&self.0).ok();
-    }
-}
-
 /// A running bridge, killed when dropped.
 struct Bridge(Child);
 
@@ -87,7 +62,7 @@ fn with_every_setting(example: &str) -> String {
 fn the_example_configuration_is_good_with_every_setting_in_it() {
     let (good, said) = helmlink(&["config", "check", EXAMPLE]);
     assert!(good, "{said}");
-    let folder = Folder::new();
+    let folder = Folder::new("service-example");
     let full = folder.0.join("full.toml");
     let text = with_every_setting(&fs::read_to_string(EXAMPLE).unwrap());
     assert!(text.contains("\nsigning-key = ") && text.contains("\nmetrics = "), "{text}");
@@ -98,7 +73,7 @@ fn the_example_configuration_is_good_with_every_setting_in_it() {
 
 #[test]
 fn a_mistake_in_a_configuration_is_told_with_its_line() {
-    let folder = Folder::new();
+    let folder = Folder::new("service-mistake");
     let path = folder.0.join("boat.toml");
     fs::write(&path, "[bridge]\nconnect = \"tcp:127.0.0.1:5760\"\nrate = \"fast\"\n").unwrap();
     for arguments in [&["config", "check"][..], &["bridge", "--dry-run", "--config"]] {
@@ -125,7 +100,7 @@ fn systemd_accepts_the_unit_file() {
     let arguments = start.replace("/etc/helmlink/helmlink.toml", EXAMPLE);
     let (good, said) = helmlink(&[&arguments.split(' ').collect::<Vec<_>>()[..], &["--dry-run"]].concat());
     assert!(good && said.contains("921600"), "{said}");
-    let folder = Folder::new();
+    let folder = Folder::new("service-unit");
     let unit = folder.0.join("helmlink.service");
     fs::write(&unit, UNIT.replace("/usr/bin/helmlink", HELMLINK)).unwrap();
     match Command::new("systemd-analyze").arg("verify").arg(&unit).output() {
@@ -141,7 +116,7 @@ fn systemd_accepts_the_unit_file() {
 
 #[test]
 fn systemd_hears_of_readiness_life_and_the_end() {
-    let folder = Folder::new();
+    let folder = Folder::new("service-notify");
     let address = folder.0.join("notify");
     let socket = UnixDatagram::bind(&address).unwrap();
     socket.set_read_timeout(Some(PATIENCE)).unwrap();
