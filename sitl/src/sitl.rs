@@ -11,7 +11,7 @@ use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
 use crate::clock::ClockOrder;
 use crate::faults::{Fault, FaultError, Lines, LinkWeather, Schedule, TimedFault, Turn};
 use crate::physics::sea::{Current, Wind};
-use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
+use crate::physics::{Estimate, Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
 use crate::scenario::{Observation, Play, Scenario, Verdict};
 
 /// Physics steps per loop of the autopilot.
@@ -400,9 +400,14 @@ impl Sitl {
     }
 
     /// The next bytes to send, whole frames, at most 1400 bytes at a time. What is not taken for long is
-    /// dropped.
+    /// dropped: at most 256 KiB wait for a link and 1 MiB for all of them, answers longest.
     pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
         self.outbox.pop_front().or_else(|| self.autopilot.poll_transmit())
+    }
+
+    /// Bytes that were dropped because nobody took them.
+    pub fn lost_bytes(&self) -> u64 {
+        self.autopilot.lost_bytes()
     }
 
     /// Simulated time since the start.
@@ -413,6 +418,11 @@ impl Sitl {
     /// What really happens to the boat, in metres from home.
     pub fn truth(&self) -> Truth {
         self.vessel.truth()
+    }
+
+    /// What the flight controller knows of it, in metres from home.
+    pub fn estimate(&self) -> Estimate {
+        self.vessel.estimate()
     }
 
     /// The boat.
