@@ -16,7 +16,8 @@ const SIMULATOR: &str = include_str!("../docs/simulator.md");
 /// The code of the only block of this language in a chapter.
 fn block(chapter: &str, language: &str) -> String {
     let chapter = SIMULATOR.split("\n## ").find(|text| text.starts_with(chapter)).expect("the chapter");
-    let mut blocks = chapter.split(&format!("```{language}\n")).skip(1);
+    let fence = format!("```{language}\n");
+    let mut blocks = chapter.split(&fence).skip(1);
     let (first, second) = (blocks.next().expect("a block"), blocks.next());
     assert!(second.is_none(), "one block only");
     first.split("\n```").next().unwrap().to_owned()
