@@ -11,7 +11,7 @@ use crate::autopilot::{Autopilot, AutopilotSettings, LOOP};
 use crate::clock::ClockOrder;
 use crate::faults::{Fault, FaultError, Lines, LinkWeather, Schedule, TimedFault, Turn};
 use crate::physics::sea::{Current, Wind};
-use crate::physics::{Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
+use crate::physics::{Estimate, Hull, Pose, STEP_S, Sea, SensorSettings, Truth, Vessel};
 use crate::scenario::{Observation, Play, Scenario, Verdict};
 
 /// Physics steps per loop of the autopilot.
@@ -418,6 +418,11 @@ impl Sitl {
     /// What really happens to the boat, in metres from home.
     pub fn truth(&self) -> Truth {
         self.vessel.truth()
+    }
+
+    /// What the flight controller knows of it, in metres from home.
+    pub fn estimate(&self) -> Estimate {
+        self.vessel.estimate()
     }
 
     /// The boat.
