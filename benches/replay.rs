@@ -41,16 +41,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bytes = write_log(&scratch.0, asked_mb.unwrap_or(default_mb) * 1_000_000)?;
     println!("log: {:.0} MB", bytes as f64 / 1e6);
     for (name, options) in [("what-if", &["--no-report"][..]), ("what-if with report", &[])] {
-        let (report, wall_s, peak_mb) = replay(&scratch.0, options)?;
+        let (report, wall_s, cpu_s, peak_mb) = replay(&scratch.0, options)?;
         let number = |key: &str| report[key].as_f64().unwrap_or_default();
+        let vehicle_s = number("vehicle_s");
         println!(
-            "{name}: {:.0} s of the boat's time, {:.0} of them driven, in {wall_s:.1} s: {:.0} × real time, {:.0} × with the scan \
-             before it, {:.0} MB/s; {peak_mb:.0} MB of memory at the most",
-            number("vehicle_s"),
+            "{name}: {vehicle_s:.0} s of the boat's time, {:.0} of them driven; with the scan before it {:.0} × real time and {:.0} MB \
+             a second of processor time, {:.0} × by the clock; {peak_mb:.0} MB of memory at the most",
             number("driven_s"),
-            number("realtime_factor"),
-            number("vehicle_s") / wall_s,
-            bytes as f64 / 1e6 / wall_s,
+            vehicle_s / cpu_s,
+            bytes as f64 / 1e6 / cpu_s,
+            vehicle_s / wall_s,
         );
     }
     Ok(())
@@ -91,8 +91,9 @@ fn put_later(message: &mut Message, later_ms: u32) {
     }
 }
 
-/// Runs `helmlink replay`; its figures, how long it took, and the most memory it held, MB.
-fn replay(log: &Path, options: &[&str]) -> Result<(serde_json::Value, f64, f64), Box<dyn Error>> {
+/// Runs `helmlink replay`; its figures, how long it took by the clock and of processor time, seconds, and the most
+/// memory it held, MB.
+fn replay(log: &Path, options: &[&str]) -> Result<(serde_json::Value, f64, f64, f64), Box<dyn Error>> {
     let report = log.with_extension("report");
     let mut command = Command::new(env!("CARGO_BIN_EXE_helmlink"));
     command.arg("replay").arg(log).args(["--json", "--quiet"]).args(options);
@@ -102,16 +103,25 @@ fn replay(log: &Path, options: &[&str]) -> Result<(serde_json::Value, f64, f64),
     let out = log.with_extension("json");
     let started = Instant::now();
     let mut child = command.stdin(Stdio::null()).stdout(File::create(&out)?).spawn()?;
-    let mut peak_mb = 0.0_f64;
+    let (mut peak_mb, mut cpu_s) = (0.0_f64, f64::NAN);
     while child.try_wait()?.is_none() {
         peak_mb = peak_mb.max(peak_memory_mb(&child).unwrap_or_default());
+        cpu_s = cpu_time_s(&child).unwrap_or(cpu_s);
         std::thread::sleep(GLANCE);
     }
     let wall_s = started.elapsed().as_secs_f64();
     let text = std::fs::read_to_string(&out)?;
     std::fs::remove_file(&out)?;
     std::fs::remove_dir_all(&report).ok();
-    Ok((serde_json::from_str(&text)?, wall_s, peak_mb))
+    Ok((serde_json::from_str(&text)?, wall_s, cpu_s, peak_mb))
+}
+
+/// Processor time that a process has used so far, seconds; only where /proc tells.
+fn cpu_time_s(child: &Child) -> Option<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).ok()?;
+    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
+    (ticks > 0.0).then_some(ticks / 100.0)
 }
 
 /// The most memory that a process has held so far; only where /proc tells.

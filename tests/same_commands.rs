@@ -138,3 +138,37 @@ fn simulate_gives_the_same_commands_twice_and_others_for_another_seed() {
     assert_eq!(first, digest("7"));
     assert_ne!(first, digest("8"));
 }
+
+#[test]
+fn a_comparison_is_the_same_on_any_number_of_threads() {
+    let compared = |threads: &str| {
+        let ended = Helmlink::run(&[
+            "compare",
+            PLAN,
+            "--json",
+            "--quiet",
+            "--controllers",
+            "pi-smc,pid",
+            "--seas",
+            "slight",
+            "--perturbations",
+            "nominal,delay=0.3",
+            "--seeds",
+            "2",
+            "--threads",
+            threads,
+        ]);
+        assert!(ended.status.success(), "{}", ended.printed);
+        let mut result: serde_json::Value = serde_json::from_str(&ended.printed).unwrap();
+        for run in result["runs"].as_array_mut().unwrap() {
+            // The one figure that is the machine's and not the run's.
+            assert!(run.as_object_mut().unwrap().remove("realtime_factor").is_some());
+        }
+        result
+    };
+    let (one, three) = (compared("1"), compared("3"));
+    assert_eq!(one, three);
+    let digests: std::collections::BTreeSet<&str> =
+        one["runs"].as_array().unwrap().iter().map(|run| run["commands_sha256"].as_str().unwrap()).collect();
+    assert_eq!(digests.len(), 8, "every run is another one: {digests:?}");
+}

@@ -400,9 +400,14 @@ impl Sitl {
     }
 
     /// The next bytes to send, whole frames, at most 1400 bytes at a time. What is not taken for long is
-    /// dropped.
+    /// dropped: at most 256 KiB wait for a link and 1 MiB for all of them, answers longest.
     pub fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
         self.outbox.pop_front().or_else(|| self.autopilot.poll_transmit())
+    }
+
+    /// Bytes that were dropped because nobody took them.
+    pub fn lost_bytes(&self) -> u64 {
+        self.autopilot.lost_bytes()
     }
 
     /// Simulated time since the start.

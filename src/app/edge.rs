@@ -18,9 +18,6 @@ const WRITE_LIMIT: usize = 1400;
 /// Events handled in one turn at the most: time has to pass for the party too.
 const EVENTS_PER_TURN: usize = 256;
 
-/// A party without a pace waits while so much waits to be read by a peer: a quarter of what fits.
-const CROWDED_BYTES: usize = 16 * 1024;
-
 /// Runs `work` to its end on one thread, as a task.
 ///
 /// The future that a runtime of one thread blocks on is expensive to wake: each time, the runtime writes to a
@@ -162,7 +159,7 @@ impl<P: Party> Edge<P> {
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
         self.has_ticked = false;
-        if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
+        if self.party.is_eager() && !self.hub.is_crowded() {
             self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
             tokio::task::yield_now().await;
@@ -208,7 +205,7 @@ impl<P: Party> Edge<P> {
     /// Whether a party without a pace must wait for a peer to read. One that reads nothing at all is dropped
     /// by its link in the end.
     fn is_crowded(&self) -> bool {
-        self.party.is_eager() && self.hub.most_waiting_bytes() >= CROWDED_BYTES
+        self.party.is_eager() && self.hub.is_crowded()
     }
 
     /// Sends what the party has to say.

@@ -59,7 +59,7 @@ pub struct SimulateArgs {
 pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let named: Option<Scenario> = args.scenario.as_deref().and_then(|name| name.parse().ok());
     let file = match (&args.scenario, named) {
-        (Some(name), None) => Some(scenario::load(name)?),
+        (Some(name), None) => Some(scenario::load_without_orders(name)?),
         _ => None,
     };
     let mut world_args = args.world.clone();
@@ -95,7 +95,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let result = RunResult::new(&subject, outcome, wall_s);
     run.sitl_mut().end_scenario();
     let verdicts = run.sitl().verdicts().to_vec();
-    let judged = scenario::check(run.sitl());
+    let judged = scenario::check(&verdicts);
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {
         result::write_report(folder, &result, &world, recorder, &log)?;

@@ -149,8 +149,16 @@ impl Bridge {
 
     /// Tells the controller how long its commands are under way, in the vehicle's time.
     pub(super) fn tell_delay(&mut self) {
-        if let (Some(run), Some(trip)) = (&mut self.run, self.timesync.usual_trip()) {
-            run.set_delay_s(trip.as_secs_f64() * self.clock.rate());
+        let transport_s = self.transport_s();
+        let Some(run) = &mut self.run else { return };
+        let delay_s = self.delay_choice.choose(transport_s, run.helm().measured_delay());
+        if let Some(delay_s) = delay_s {
+            run.set_delay_s(delay_s);
         }
+    }
+
+    /// How long messages are usually under way, there and back, in the vehicle's time.
+    pub(super) fn transport_s(&self) -> Option<f64> {
+        self.timesync.usual_trip().map(|trip| trip.as_secs_f64() * self.clock.rate())
     }
 }

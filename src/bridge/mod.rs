@@ -71,6 +71,7 @@ use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
 use self::timesync::TimeSync;
+use crate::control::response::DelayChoice;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
 use crate::pilot::supervisor::{Policy, Reason, Request, State, Supervisor};
@@ -129,6 +130,7 @@ pub struct Bridge {
     watch: Watch,
     observer: Observer,
     timesync: TimeSync,
+    delay_choice: DelayChoice,
     parameter_service: ParameterService,
     /// The parameters as the bridge was started with, saved ones left out.
     factory: Tunables,
@@ -187,6 +189,7 @@ impl Bridge {
             watch: Watch::new(settings.failsafes.clone()),
             observer: Observer::default(),
             timesync: TimeSync::default(),
+            delay_choice: DelayChoice::default(),
             parameter_service: ParameterService::default(),
             factory,
             steering: Steering::default(),
@@ -346,6 +349,8 @@ impl Bridge {
             steps: self.steering.steps,
             pace: self.steering.pace,
             round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
+            answer_delay: self.run.as_ref().and_then(|run| run.helm().measured_delay()),
+            delay_s: self.run.as_ref().map_or(0.0, |run| run.helm().delay_s()),
         }
     }
 

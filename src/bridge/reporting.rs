@@ -64,6 +64,7 @@ impl Bridge {
             self.send_heartbeat();
             self.send_progress();
             self.send_live_state();
+            self.tell_delay();
             self.send_health();
         }
     }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::control::Diagnostics;
+use crate::control::response::MeasuredDelay;
 use crate::pilot::Progress;
 use crate::pilot::supervisor::{Reason, State};
 use crate::vehicle::Mode;
@@ -54,6 +55,10 @@ pub struct Status {
     pub steps: u64,
     /// How long a question to the flight controller and its answer took the last time, seconds.
     pub round_trip_s: Option<f64>,
+    /// The control loop's delay as the boat's answer to its steering shows it, once it has answered clearly enough.
+    pub answer_delay: Option<MeasuredDelay>,
+    /// The delay that the controller predicts across, seconds of the vehicle's time.
+    pub delay_s: f64,
     /// How evenly the steering frames go out.
     pub pace: super::pace::Pace,
 }

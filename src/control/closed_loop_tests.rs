@@ -6,7 +6,7 @@ use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathLimits};
 
 use super::testing::{Plant, Report, Run};
-use super::{Boat, Hull};
+use super::{Boat, Controller, Helm, Hull};
 use crate::guidance::{EndOfPath, unit};
 
 /// The way-points of Fossen's Otter example in local metres, scaled.
@@ -193,13 +193,73 @@ fn far_away_and_facing_the_wrong_way_every_boat_finds_its_path() {
     }
 }
 
+/// There and back along nearly the same line, scaled to the boat: 180° and 170° corners.
+fn hairpins(scale: f64, radius_m: f64) -> Path {
+    let points = [(0.0, 0.0), (0.0, 120.0), (0.0, 20.0), (17.6, 119.7)]
+        .map(|(north_m, east_m)| NorthEast { north_m: scale * north_m, east_m: scale * east_m });
+    Path::through(&points, &PathLimits::new(radius_m, 0.75 * radius_m)).unwrap()
+}
+
+#[test]
+fn every_boat_rounds_hairpins() {
+    for (name, scale, speed_mps) in
+        [("otter", 1.0, 1.38), ("motorboat", 1.0, 2.0), ("skiff", 1.0, 2.0), ("monohull38", 14.0, 4.0)]
+    {
+        let boat = Boat::embedded(name).unwrap();
+        let path = hairpins(scale, boat.limits.turn_radius_m);
+        let mut plant = Plant::of(&boat).under_way(FRAC_PI_2, 0.5 * speed_mps, current(0.1, 20.0));
+        let report = Run::new(&boat, &path, speed_mps).run(&mut plant);
+        assert!(report.finished, "{name}: {report:?}");
+        assert!(report.path_rms_m < 0.1 * boat.guidance.lead_m, "{name}: {report:?}");
+        assert!(report.path_max_m < 0.5 * boat.limits.turn_radius_m, "{name}: {report:?}");
+    }
+}
+
+#[test]
+fn a_boat_going_astern_is_brought_about() {
+    for name in Boat::names() {
+        let boat = Boat::embedded(name).unwrap();
+        let (scale, radius_m) = if name == "monohull38" { (7.0, 180.0) } else { (1.0, 8.0) };
+        let speed_mps = boat.limits.cruise_mps;
+        for controller in Controller::ALL {
+            let mut plant = Plant::of(&boat).under_way(FRAC_PI_2, -0.5 * speed_mps, current(0.1, 20.0));
+            let path = box_path(0.5 * scale, radius_m);
+            let report = Run { controller, ..Run::new(&boat, &path, speed_mps) }.run(&mut plant);
+            assert!(report.finished, "{name} {controller}: {report:?}");
+            // At first it may run off backwards; then it comes back and stays.
+            assert!(report.path_max_m < 3.0 * boat.guidance.lead_m, "{name} {controller}: {report:?}");
+        }
+    }
+}
+
+#[test]
+fn a_wanted_speed_of_zero_stops_every_boat_and_leaves_it_quiet() {
+    for name in Boat::names() {
+        let boat = Boat::embedded(name).unwrap();
+        let path = box_path(if name == "monohull38" { 7.0 } else { 1.0 }, boat.limits.turn_radius_m);
+        for controller in Controller::ALL {
+            let mut plant = Plant::of(&boat).under_way(FRAC_PI_2, boat.limits.cruise_mps, current(0.0, 0.0));
+            let mut helm = Helm::with_controller(&boat, controller, EndOfPath::Stop);
+            helm.engage(&plant.state(), 0.0).unwrap();
+            for _ in 0..2400 {
+                let command = helm.step(0.05, &plant.state(), &path, 0.0).unwrap().command;
+                assert!(command.throttle.abs() <= 1.0 && command.steering.abs() <= 1.0);
+                plant.advance(0.05, command);
+            }
+            // Steerage way is kept by a boat that would drift helplessly without it.
+            let least_mps = boat.limits.steerage_mps + 0.1 * boat.limits.cruise_mps;
+            assert!(plant.nu[0].abs() < least_mps, "{name} {controller}: {:?}", plant.nu);
+        }
+    }
+}
+
 #[test]
 fn a_boat_too_weak_for_its_speed_recovers_without_overshoot() {
     // Held back by more than its thrust for a while, then let go: no surge beyond the wanted speed.
     let boat = Boat::embedded("otter").unwrap();
     let path = box_path(1.0, 4.0);
     let mut plant = Plant::otter().under_way(FRAC_PI_2, 1.0, current(0.0, 0.0));
-    let mut helm = super::Helm::new(&boat, EndOfPath::RunThrough);
+    let mut helm = Helm::new(&boat, EndOfPath::RunThrough);
     helm.engage(&plant.state(), 0.0).unwrap();
     let mut fastest_mps = 0.0f64;
     for tick in 0..1600 {

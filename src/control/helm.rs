@@ -5,12 +5,14 @@ use thiserror::Error;
 
 use super::allocation::{Allocator, Situation};
 use super::boat::Boat;
-use super::command::Command;
+use super::command::{Command, Wrench};
 use super::controller::{Controller, Equipment};
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
 use super::observer::Observer;
 use super::predictor::Predictor;
+use super::response::{MeasuredDelay, YawResponse};
+use super::sensor_bias::{CompassError, CompassOffset, VelocityOffset};
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError, VesselState, Water, unit};
 
@@ -18,6 +20,9 @@ use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError,
 pub const MIN_STEP_S: f64 = 1.0e-4;
 /// Longest step taken, s. After a longer gap the controller's memory is stale: engage again.
 pub const MAX_STEP_S: f64 = 1.0;
+
+/// Longest gap in the telemetry that is bridged, s.
+pub const LONGEST_GAP_S: f64 = 5.0;
 
 /// Why a step was refused. The controller's state is untouched; send a neutral command.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -53,6 +58,8 @@ pub enum HelmError {
 /// What the helm thought at one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Diagnostics {
+    /// The boat as it is believed to be now, before any prediction: what the measurements are made of by the observer.
+    pub observed: VesselState,
     /// Guidance.
     pub reference: Reference,
     /// Control law.
@@ -104,8 +111,12 @@ pub struct Helm {
     sway: SwayModel,
     drift: DriftEstimator,
     observer: Option<Observer>,
+    velocity_offset: VelocityOffset,
+    compass_offset: CompassOffset,
     predictor: Predictor,
-    side_force_n: f64,
+    response: YawResponse,
+    /// Forces of the last command.
+    commanded: Wrench,
 }
 
 impl Helm {
@@ -129,8 +140,11 @@ impl Helm {
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
             observer: controller.equipment().observes_state.then(|| Observer::new(boat.observer)),
+            velocity_offset: VelocityOffset::default(),
+            compass_offset: CompassOffset::default(),
             predictor: Predictor::default(),
-            side_force_n: 0.0,
+            response: YawResponse::new(&boat.hull),
+            commanded: Wrench::default(),
         }
     }
 
@@ -147,6 +161,31 @@ impl Helm {
         if self.equipment.predicts {
             self.predictor.set_delay_s(delay_s);
         }
+    }
+
+    /// The delay that is predicted across, s.
+    #[must_use]
+    pub fn delay_s(&self) -> f64 {
+        self.predictor.delay_s()
+    }
+
+    /// The delay as the boat's answer to its steering shows it, once it has answered clearly enough.
+    #[must_use]
+    pub fn measured_delay(&self) -> Option<MeasuredDelay> {
+        self.response.delay()
+    }
+
+    /// What the velocity of the telemetry is off by, toward bow and starboard, m/s; it is taken out of the state where the
+    /// controller has an observer.
+    #[must_use]
+    pub fn velocity_offset_mps(&self) -> [f64; 2] {
+        self.velocity_offset.offset_mps()
+    }
+
+    /// What the compass is off by, as far as turns in a current have told.
+    #[must_use]
+    pub fn compass_error(&self) -> CompassError {
+        self.compass_offset.error()
     }
 
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
@@ -168,11 +207,27 @@ impl Helm {
             DriftEstimator::default()
         };
         self.predictor.reset();
+        self.response.interrupt();
+        self.velocity_offset = VelocityOffset::default();
         if let Some(observer) = &mut self.observer {
             observer.reset();
         }
-        self.side_force_n = 0.0;
+        self.commanded = Wrench::default();
         Ok(())
+    }
+
+    /// `dt_s` have passed without telemetry while the last command went on to act: the observer follows the model across
+    /// the gap, and nothing is concluded from it. Call it before [`Self::step`], with the rest of the time for that.
+    pub fn bridge_gap(&mut self, dt_s: f64) {
+        if !(0.0..=LONGEST_GAP_S).contains(&dt_s) {
+            return;
+        }
+        self.velocity_offset.interrupt();
+        self.response.interrupt();
+        let current = self.drift.current();
+        if let Some(observer) = &mut self.observer {
+            observer.coast(dt_s, &self.hull, self.commanded, current);
+        }
     }
 
     /// One tick: `dt_s` is the measured time since the last one, `speed_mps` the speed wanted over ground.
@@ -197,11 +252,15 @@ impl Helm {
         }
         let acted = self.predictor.advance(dt_s);
         let observed = match &mut self.observer {
-            Some(observer) => observer.observe(dt_s, &self.hull, state, acted, self.drift.current()),
+            Some(observer) => {
+                let state = self.velocity_offset.correct(dt_s, state);
+                observer.observe(dt_s, &self.hull, &state, acted, self.drift.current())
+            }
             None => *state,
         };
         let state = &observed;
         let measured = self.observe_water(dt_s, state);
+        self.response.step(dt_s, &measured, self.commanded.yaw_nm);
         let current = self.drift.current();
         let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
         let state = &state;
@@ -211,7 +270,7 @@ impl Helm {
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);
         self.law.settle(dt_s, &allocation);
-        self.side_force_n = allocation.achieved.sway_n;
+        self.commanded = allocation.achieved;
         self.predictor.push(allocation.achieved);
         let command = allocation.command;
         if !(command.throttle.is_finite() && command.steering.is_finite()) {
@@ -220,6 +279,7 @@ impl Helm {
         Ok(Output {
             command,
             diagnostics: Diagnostics {
+                observed,
                 reference,
                 law: self.law.diagnostics(),
                 surge_demand_n: demand.surge_n,
@@ -244,8 +304,9 @@ impl Helm {
         let along = unit(state.heading_rad).dot(self.drift.current());
         let surge_mps = state.surge_mps - along;
         let rate = state.yaw_rate_radps;
-        let sway_mps = self.sway.step(dt_s, &self.hull, surge_mps, rate, self.side_force_n);
+        let sway_mps = self.sway.step(dt_s, &self.hull, surge_mps, rate, self.commanded.sway_n);
         self.drift.step(dt_s, state, sway_mps, self.drift_time_s);
+        self.compass_offset.learn(dt_s, state, sway_mps);
         WaterMotion { surge_mps, sway_mps, yaw_rate_radps: rate }
     }
 }

@@ -14,7 +14,9 @@
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
 //! | [`command`] | throttle and steering, normalised |
 //! | [`observer`] | the state without waves and noise |
+//! | [`sensor_bias`] | constant errors of velocity and compass |
 //! | [`predictor`] | the state when the command chosen now takes effect |
+//! | [`response`] | the loop's delay, measured on the boat's answer to its steering |
 //! | [`helm`] | the façade: state and path in, command out |
 
 pub mod allocation;
@@ -33,7 +35,11 @@ pub mod model;
 pub mod observer;
 pub mod pi_smc;
 pub mod predictor;
+pub mod response;
+pub mod sensor_bias;
 
+#[cfg(test)]
+mod speed_schedule_tests;
 #[cfg(test)]
 mod testing;
 

@@ -39,6 +39,8 @@ const SLOW_PART: f64 = 1.0;
 const LEVEL_PART: f64 = 8.0;
 /// Damping of the pair of correction and bias: k = w²/this.
 const BIAS_DAMPING: f64 = 6.0;
+/// Steps in which a gap is bridged, s.
+const COAST_STEP_S: f64 = 0.1;
 /// Disagreements beyond these are no noise: the estimate starts anew.
 const JUMP_M: f64 = 10.0;
 const JUMP_RAD: f64 = 0.5;
@@ -105,6 +107,15 @@ impl Observer {
                 self.estimate = Some(*measured);
                 *measured
             }
+        }
+    }
+
+    /// Time has passed unseen under forces that are known: the estimate goes where the model goes.
+    pub fn coast(&mut self, dt_s: f64, hull: &Hull, acted: Wrench, current: NorthEast) {
+        let steps = (dt_s / COAST_STEP_S).ceil().max(1.0);
+        for _ in 0..steps as u32 {
+            self.estimate =
+                self.estimate.map(|last| self.expected(dt_s / steps, hull, &last, acted, current));
         }
     }
 

@@ -59,6 +59,12 @@ impl Predictor {
         self.delay_s = if delay_s > 0.0 { delay_s.min(MAX_DELAY_S) } else { 0.0 };
     }
 
+    /// The delay that is predicted across, s.
+    #[must_use]
+    pub fn delay_s(&self) -> f64 {
+        self.delay_s
+    }
+
     /// Forgets forces and bias; keeps the delay.
     pub fn reset(&mut self) {
         *self = Self { delay_s: self.delay_s, ..Self::default() };

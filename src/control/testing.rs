@@ -4,5 +4,6 @@ mod noise;
 mod plant;
 mod run;
 
+pub(crate) use noise::Noise;
 pub(crate) use plant::Plant;
 pub(crate) use run::{Report, Run};

@@ -135,3 +135,6 @@ impl Guidance for LineOfSight {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

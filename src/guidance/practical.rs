@@ -142,15 +142,17 @@ struct Drift {
 }
 
 impl Practical {
-    /// Drift angle β̂ = atan2(v_m + n̂ᵀŴ, u). Yawing turns the boat within the current, so the course turns by
-    /// χ̇ = r (1 − u·t̂ᵀŴ/U²): faster than the bow against the current, slower with it.
+    /// Drift angle β̂ = atan2(v_p + n̂ᵀŴ, u). Yawing turns the boat within the current, so the course turns by
+    /// χ̇ = r (1 − VᵀŴ/U²), V = [u, v_p + n̂ᵀŴ] in the boat's axes: faster than the bow against the current, slower
+    /// with it.
     fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Drift {
         let bow = unit(input.state.heading_rad);
         let along = bow.dot(input.water.current);
-        let across = self.planned_sway.sway_mps() + bow.cross(input.water.current);
+        let current_across = bow.cross(input.water.current);
+        let across = self.planned_sway.sway_mps() + current_across;
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         let squared = surge * surge + across * across;
-        let course_per_yaw = 1.0 - surge * along / squared;
+        let course_per_yaw = 1.0 - (surge * along + across * current_across) / squared;
         let rate_mps2 = self.surge_rate_mps2(dt_s, input.state.surge_mps);
         let (least, most) = YAW_PER_COURSE;
         Drift {
@@ -212,3 +214,6 @@ impl Practical {
         (slow + forward * (wanted - slow)).clamp(least.max(0.0), most.max(0.0))
     }
 }
+
+#[cfg(test)]
+mod tests;

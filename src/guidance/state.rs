@@ -4,7 +4,7 @@ use helmlink_mission::geodesy::NorthEast;
 use thiserror::Error;
 
 /// The boat's planar motion, as estimated at one instant. All velocities are over ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VesselState {
     /// Position in the mission's local north-east frame, metres.
     pub position: NorthEast,

@@ -16,22 +16,22 @@ use super::*;
 use crate::control::{Boat, Helm};
 
 /// Step of the central differences, s.
-const H_S: f64 = 1.0e-4;
+pub(super) const H_S: f64 = 1.0e-4;
 
-fn at(north_m: f64, east_m: f64) -> NorthEast {
+pub(super) fn at(north_m: f64, east_m: f64) -> NorthEast {
     NorthEast { north_m, east_m }
 }
 
-fn bent_path() -> Path {
+pub(super) fn bent_path() -> Path {
     Path::through(&[at(0.0, 0.0), at(0.0, 40.0), at(30.0, 40.0), at(60.0, 10.0)], &PathLimits::new(6.0, 4.0))
         .unwrap()
 }
 
-fn state(position: NorthEast, heading_rad: f64) -> VesselState {
+pub(super) fn state(position: NorthEast, heading_rad: f64) -> VesselState {
     VesselState { position, heading_rad, surge_mps: 1.2, sway_mps: 0.1, yaw_rate_radps: 0.0 }
 }
 
-fn rate(before: f64, after: f64) -> f64 {
+pub(super) fn rate(before: f64, after: f64) -> f64 {
     ssa(after - before) / (2.0 * H_S)
 }
 
@@ -178,6 +178,29 @@ fn the_drift_estimate_learns_the_current_from_two_legs() {
         }
     }
     assert!((drift.current() - current).norm() < 1.0e-6, "{:?}", drift.current());
+}
+
+proptest! {
+    #[test]
+    fn the_drift_estimate_never_moves_away_from_the_current(
+        heading in -PI..PI, north in -1.0..1.0f64, east in -1.0..1.0f64,
+        first_north in -1.0..1.0f64, first_east in -1.0..1.0f64, dt_s in 1.0e-4..0.5f64, model_mps in -0.3..0.3f64,
+    ) {
+        let current = at(north, east);
+        let boat = |current: NorthEast| VesselState {
+            sway_mps: unit(heading).cross(current) + model_mps, ..state(at(0.0, 0.0), heading)
+        };
+        // Two starts at right angles give any first estimate.
+        let mut drift = DriftEstimator::starting_at(&boat(at(first_north, first_east)));
+        let (before, across) = (drift.current() - current, unit(heading).cross(drift.current() - current));
+        drift.step(dt_s, &boat(current), model_mps, 0.9);
+        let after = drift.current() - current;
+        prop_assert!(after.norm() <= before.norm() + 1.0e-12);
+        // Across the bow the error dies with the time constant, along it nothing is known.
+        let left = across * (-dt_s / 0.9).exp();
+        prop_assert!((unit(heading).cross(after) - left).abs() < 1.0e-9);
+        prop_assert!((unit(heading).dot(after) - unit(heading).dot(before)).abs() < 1.0e-9);
+    }
 }
 
 fn limits() -> SpeedLimits {

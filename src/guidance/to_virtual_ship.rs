@@ -18,6 +18,8 @@ use crate::control::Limits;
 const NEAR_PART: f64 = 0.3;
 /// Least cosine of the heading error that is divided by; below it speed gives way to turning.
 const LEAST_COSINE: f64 = 0.5;
+/// The virtual ship counts as no faster than this many times the speed wanted.
+const MOST_SPEED_PART: f64 = 1.5;
 
 /// The paper's guidance law.
 #[derive(Debug, Clone)]
@@ -61,7 +63,9 @@ impl Guidance for ToVirtualShip {
         let heading_error_rad = ssa(aim.rad - state.heading_rad);
         let (sin, cos) = heading_error_rad.sin_cos();
         let slope = speed_mps / self.settings.lead_softness_m;
-        let along = slope * (distance_m - lead_m) + ship_mps * (aim.rad - ship.heading_rad).cos()
+        // A virtual ship that is pushed along by the boat must not ask the boat to go on.
+        let ship_most_mps = ship_mps.min(MOST_SPEED_PART * speed_mps);
+        let along = slope * (distance_m - lead_m) + ship_most_mps * (aim.rad - ship.heading_rad).cos()
             - state.sway_mps * sin;
         let wanted = along / cos.max(LEAST_COSINE);
         let forward = (cos / LEAST_COSINE).clamp(0.0, 1.0);
@@ -79,3 +83,6 @@ impl Guidance for ToVirtualShip {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,10 @@
 use std::io::Cursor;
 use std::time::Duration;
 
-use helmlink_wire::Frame;
+use helmlink_wire::dialect::HEARTBEAT_DATA;
+use helmlink_wire::signing::{Signing, SigningKey, Timestamp};
 use helmlink_wire::tlog::{Index, TlogWriter, records};
+use helmlink_wire::{Encoder, Frame, Identity, Message};
 
 use super::explain::explain;
 use super::export::rows::{RowFormat, Rows};
@@ -227,4 +229,49 @@ fn a_player_pauses_seeks_and_loops() {
     }
     let first_two_s = records(LOG).take_while(|record| record.time_us <= 1_795_422_929_539_027).count();
     assert!(!player.is_ended() && count > 3 * first_two_s, "{count} of {first_two_s} each time");
+}
+
+/// A log of three systems: MAVLink 2, MAVLink 1, a signed frame and one of an unknown dialect, ten of each, a tenth of a
+/// second apart.
+fn mixed_log() -> (Vec<u8>, Vec<Vec<u8>>) {
+    let beat = Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT);
+    let mut encoder = Encoder::new();
+    let mut signer = Signing::new(SigningKey::from_passphrase("mixed"), Timestamp::from_units(1));
+    let unknown = [0xFD, 3, 0, 0, 1, 4, 1, 0xFF, 0xFF, 0x7F, 0xFD, 0xFE, 0xFD, 0x12, 0x34];
+    let (mut log, mut frames) = (Vec::new(), Vec::new());
+    for round in 0..10 {
+        let mut of_round = [Vec::new(), Vec::new(), Vec::new(), unknown.to_vec()];
+        encoder.encode(Identity { system: 1, component: 1 }, &beat, &mut of_round[0]);
+        encoder.encode_v1(Identity { system: 2, component: 1 }, &beat, &mut of_round[1]).unwrap();
+        encoder.encode(Identity { system: 3, component: 1 }, &beat, &mut of_round[2]);
+        signer.sign(0, &mut of_round[2], 0);
+        for (part, frame) in (0..).zip(of_round) {
+            log.extend((1_795_000_000_000_000 + 100_000 * (4 * round + part) as u64).to_be_bytes());
+            log.extend(&frame);
+            frames.push(frame);
+        }
+    }
+    (log, frames)
+}
+
+fn played_of(log: &'static [u8], filter: PlayFilter) -> Vec<Vec<u8>> {
+    let settings = PlaySettings { filter, ..play_settings() };
+    let index = Index::build(log).unwrap();
+    let mut player = Player::new(Cursor::new(log), index, settings, Duration::ZERO).unwrap();
+    played(&mut player, 60).0
+}
+
+#[test]
+fn frames_of_every_version_signed_and_of_unknown_dialects_are_played_as_they_are() {
+    let (log, frames) = mixed_log();
+    let log: &'static [u8] = Box::leak(log.into_boxed_slice());
+    assert!(Frame::parse(&frames[2]).unwrap().is_signed());
+    let with_commands = PlayFilter { commands: true, ..PlayFilter::default() };
+    // A log ends with the last frame that is known.
+    assert_eq!(played_of(log, with_commands.clone()), frames[..39]);
+    let of_two = played_of(log, PlayFilter { systems: vec![2, 3], ..with_commands });
+    assert_eq!(of_two.len(), 20);
+    assert!(of_two.iter().all(|frame| [2, 3].contains(&Frame::parse(frame).unwrap().identity().system)));
+    // Nobody knows what an unknown message asks of a boat.
+    assert_eq!(played_of(log, PlayFilter::default()).len(), 30);
 }

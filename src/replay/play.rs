@@ -69,8 +69,9 @@ impl PlayFilter {
     }
 }
 
+/// Nobody knows what an unknown message asks for.
 fn is_command(frame: &Frame<'_>) -> bool {
-    frame.name().is_some_and(|name| COMMANDS.contains(&name))
+    !frame.is_verified() || frame.name().is_some_and(|name| COMMANDS.contains(&name))
 }
 
 /// The number of a message by its name, or a number itself.
@@ -123,7 +124,7 @@ impl<S: Read + Seek> Player<S> {
     /// Those of the source.
     pub fn new(source: S, index: Index, settings: PlaySettings, now: Duration) -> io::Result<Self> {
         let mut player = Self {
-            reader: TlogReader::new(source),
+            reader: TlogReader::new(source).with_unknown(),
             index,
             speedup: settings.speedup,
             origin: (now, settings.from_s),

@@ -1,7 +1,5 @@
 //! What really went to the motors and the rudder, from SERVO_OUTPUT_RAW.
 
-use std::collections::BTreeMap;
-
 use helmlink_wire::dialect::{PARAM_VALUE_DATA, SERVO_OUTPUT_RAW_DATA};
 
 /// SERVOn_FUNCTION of ArduRover (<https://ardupilot.org/rover/docs/parameters.html#servo1-function>).
@@ -21,21 +19,58 @@ pub struct Outputs {
     pub throttle: f64,
 }
 
+/// How one output is set up.
+#[derive(Debug, Clone, Copy)]
+struct Servo {
+    function: Option<f32>,
+    min_us: f64,
+    trim_us: f64,
+    max_us: f64,
+    is_reversed: bool,
+}
+
+impl Servo {
+    const DEFAULT: Self =
+        Self { function: None, min_us: 1100.0, trim_us: 1500.0, max_us: 1900.0, is_reversed: false };
+
+    /// −1…1 of a pulse width; none where the output is switched off.
+    fn normalised(&self, pulse_us: u16) -> Option<f64> {
+        let sign = if self.is_reversed { -1.0 } else { 1.0 };
+        let off_us = f64::from(pulse_us) - self.trim_us;
+        let span_us = if off_us > 0.0 { self.max_us - self.trim_us } else { self.trim_us - self.min_us };
+        (pulse_us != 0 && span_us > 0.0).then(|| sign * (off_us / span_us).clamp(-1.0, 1.0))
+    }
+}
+
 /// Reads the outputs of one vehicle, calibrated by its parameters as far as the log shows them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct ServoReader {
-    parameters: BTreeMap<String, f32>,
+    servos: [Servo; OUTPUTS],
     latest: Option<Outputs>,
+}
+
+impl Default for ServoReader {
+    fn default() -> Self {
+        Self { servos: [Servo::DEFAULT; OUTPUTS], latest: None }
+    }
 }
 
 impl ServoReader {
     /// Takes a parameter.
     pub fn on_parameter(&mut self, data: &PARAM_VALUE_DATA) {
-        if let Ok(name) = data.param_id.to_str()
-            && name.starts_with("SERVO")
-            && data.param_value.is_finite()
-        {
-            self.parameters.insert(name.to_owned(), data.param_value);
+        let name = data.param_id.to_str().ok().and_then(|name| name.strip_prefix("SERVO"));
+        let Some((number, what)) = name.and_then(|name| name.split_once('_')) else { return };
+        let index = number.parse().ok().and_then(|number: usize| number.checked_sub(1));
+        let Some(servo) = index.and_then(|index| self.servos.get_mut(index)) else { return };
+        let value = data.param_value;
+        match what {
+            _ if !value.is_finite() => {}
+            "FUNCTION" => servo.function = Some(value),
+            "MIN" => servo.min_us = value.into(),
+            "TRIM" => servo.trim_us = value.into(),
+            "MAX" => servo.max_us = value.into(),
+            "REVERSED" => servo.is_reversed = value != 0.0,
+            _ => {}
         }
     }
 
@@ -56,8 +91,8 @@ impl ServoReader {
             data.servo8_raw,
         ];
         let of = |function: f32, or: Option<usize>| {
-            let known = (0..OUTPUTS).find(|&index| self.parameter(index, "FUNCTION") == Some(function));
-            known.or(or).and_then(|index| self.normalised(index, pulses[index]))
+            let known = self.servos.iter().position(|servo| servo.function == Some(function));
+            known.or(or).and_then(|index| self.servos[index].normalised(pulses[index]))
         };
         let twin = (of(THROTTLE_LEFT, None), of(THROTTLE_RIGHT, None));
         self.latest = if let (Some(left), Some(right)) = twin {
@@ -73,19 +108,5 @@ impl ServoReader {
     /// What was put out last.
     pub fn latest(&self) -> Option<Outputs> {
         self.latest
-    }
-
-    fn parameter(&self, index: usize, what: &str) -> Option<f32> {
-        self.parameters.get(&format!("SERVO{}_{what}", index + 1)).copied()
-    }
-
-    /// −1…1 of a pulse width; none where the output is switched off.
-    fn normalised(&self, index: usize, pulse_us: u16) -> Option<f64> {
-        let of = |what: &str, or: f32| f64::from(self.parameter(index, what).unwrap_or(or));
-        let (min_us, trim_us, max_us) = (of("MIN", 1100.0), of("TRIM", 1500.0), of("MAX", 1900.0));
-        let sign = if of("REVERSED", 0.0) == 0.0 { 1.0 } else { -1.0 };
-        let off_us = f64::from(pulse_us) - trim_us;
-        let span_us = if off_us > 0.0 { max_us - trim_us } else { trim_us - min_us };
-        (pulse_us != 0 && span_us > 0.0).then(|| sign * (off_us / span_us).clamp(-1.0, 1.0))
     }
 }

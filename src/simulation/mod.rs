@@ -32,4 +32,6 @@ pub use score::{Sample, Score, Scorer};
 pub use trial::{Trial, TrialError};
 
 #[cfg(test)]
+mod estimator_tests;
+#[cfg(test)]
 mod mission_tests;

@@ -104,7 +104,8 @@ const EKF_STALE_S: f64 = 5.0;
 const EKF_NEEDED: u16 = enums::EKF_ATTITUDE | enums::EKF_POS_HORIZ_ABS;
 
 impl Telemetry {
-    /// Takes one message of the vehicle that arrived at `now`.
+    /// Takes one message of the vehicle that arrived at `now`. A heading or a position that a newer one has overtaken on
+    /// its way tells nothing any more, and is left out.
     pub fn on_message(&mut self, now: Duration, message: &Message) -> Update {
         match message {
             Message::HEARTBEAT(data) => {
@@ -142,6 +143,9 @@ impl Telemetry {
         if self.has_rebooted(boot_s) {
             return Update::Rebooted;
         }
+        if self.attitude.is_some_and(|known| boot_s < known.value.boot_s) {
+            return Update::None;
+        }
         self.attitude =
             Some(Stamped { value: Attitude { boot_s, heading_rad, yaw_rate_radps }, received: now });
         Update::Attitude(boot_s)
@@ -155,6 +159,9 @@ impl Telemetry {
         // Before its first fix ArduPilot sends zero degrees for both.
         let place = Geodetic::from_e7(data.lat, data.lon);
         if !place.is_valid() {
+            return Update::None;
+        }
+        if self.position.is_some_and(|known| boot_s < known.value.boot_s) {
             return Update::None;
         }
         let (north_mps, east_mps) = (f64::from(data.vx) / 100.0, f64::from(data.vy) / 100.0);
@@ -290,6 +297,18 @@ mod tests {
         assert_eq!(telemetry.on_message(NOW, &attitude(f32::NAN, 5)), Update::None);
         assert!(telemetry.attitude.is_none());
         assert_eq!(telemetry.refused, 1);
+    }
+
+    #[test]
+    fn what_was_overtaken_on_its_way_is_left_out() {
+        let mut telemetry = Telemetry::default();
+        telemetry.on_message(NOW, &attitude(1.0, 5000));
+        telemetry.on_message(NOW, &position(634_389_000, 103_990_000, 5000));
+        assert_eq!(telemetry.on_message(NOW, &attitude(0.5, 4800)), Update::None);
+        assert_eq!(telemetry.on_message(NOW, &position(634_388_000, 103_990_000, 4800)), Update::None);
+        let (heading, place) = (telemetry.attitude.unwrap().value, telemetry.position.unwrap().value);
+        assert_eq!((heading.heading_rad, heading.boot_s), (1.0, 5.0));
+        assert_eq!((place.place, place.boot_s), (Geodetic::from_e7(634_389_000, 103_990_000), 5.0));
     }
 
     #[test]

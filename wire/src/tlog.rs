@@ -28,7 +28,7 @@ pub struct Record<'a> {
     pub time_us: u64,
     /// Where the record starts, bytes from where reading began; its frame's own start where its stamp is incomplete.
     pub offset: u64,
-    /// The frame, always verified.
+    /// The frame, verified unless the reader was asked for unknown ones ([`TlogReader::with_unknown`]).
     pub frame: Frame<'a>,
 }
 

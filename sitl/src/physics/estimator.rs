@@ -2,7 +2,8 @@
 //! toward compass and GPS by constant gains. Simpler than an extended Kalman filter, with errors of the same
 //! size and kind: smooth, slightly late, biased as the sensors are.
 
-use super::dynamics::{to_ned, wrap};
+use super::angles::unit;
+use super::dynamics::{NedVector, wrap};
 use super::sensors::{Estimate, GpsFix, TrueMotion};
 
 /// Share of a position error taken out per GPS fix.
@@ -61,8 +62,8 @@ impl Estimator {
         let pull = (dt_s / self.heading_time_s).min(1.0);
         estimate.psi_rad = wrap(estimate.psi_rad + dt_s * inertial.r_radps + pull * compass_error);
         estimate.r_radps += (dt_s / self.rate_time_s).min(1.0) * (inertial.r_radps - estimate.r_radps);
-        let (north_mps2, east_mps2) =
-            to_ned(estimate.psi_rad, inertial.forward_mps2, inertial.starboard_mps2);
+        let NedVector { north: north_mps2, east: east_mps2 } =
+            NedVector::of_body(inertial.forward_mps2, inertial.starboard_mps2, unit(estimate.psi_rad));
         estimate.north_m += dt_s * (estimate.north_mps + 0.5 * dt_s * north_mps2);
         estimate.east_m += dt_s * (estimate.east_mps + 0.5 * dt_s * east_mps2);
         estimate.north_mps += dt_s * north_mps2;

@@ -69,6 +69,19 @@ fn loop_times(page: &mut Page, bridge: &Bridge, lateness: &Lateness) {
     let (_, commands) = bridge.commands_digest();
     page.counter("helmlink_commands_total", "Steering frames sent.").value(commands as f64);
     page.gauge("helmlink_command_rate_hz", "Steering frames a second.").value(status.pace.rate_hz());
+    let mut delays = page.gauge(
+        "helmlink_loop_delay_seconds",
+        "Delay of the control loop: of the messages there and back, as the boat's answer to its steering shows it, \
+         and as the controller predicts across.",
+    );
+    if let Some(round_trip_s) = status.round_trip_s {
+        delays.with(&[("of", "messages")], round_trip_s);
+    }
+    if let Some(answer) = status.answer_delay {
+        delays.with(&[("of", "answer")], answer.delay_s);
+        delays.with(&[("of", "answer_deviation")], answer.deviation_s);
+    }
+    delays.with(&[("of", "prediction")], status.delay_s);
     let mut quantiles = |name, help, times: Option<Quantiles>| {
         let Some(times) = times else { return };
         let mut family = page.gauge(name, help);

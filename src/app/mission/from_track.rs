@@ -1,8 +1,6 @@
 //! `helmlink mission from-track`: the driven track of a log as a mission.
 
-use std::fs::File;
-use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use helmlink_mission::geodesy::Geodetic;
@@ -16,6 +14,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::replay::LogFiles;
 use super::convert;
 
 /// `helmlink mission from-track`.
@@ -28,8 +27,9 @@ Examples:
 A boat driven by hand once can so repeat it: the mission has the track's corners within the tolerance,
 its speeds, and a hold wherever the boat stood still. Times are those of the vehicle's own clock.")]
 pub struct FromTrackArgs {
-    /// The telemetry log (.tlog)
-    pub log: PathBuf,
+    /// The telemetry log (.tlog), or all files of one recording in order, or the folder that holds them
+    #[arg(required = true, value_name = "LOG")]
+    pub log: Vec<PathBuf>,
     /// The file to write; standard output (QGC WPL 110) if not given
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -61,7 +61,8 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
     if !(args.tolerance.is_finite() && args.tolerance > 0.0) {
         return Err(Failure::usage(format!("--tolerance {}: give metres above 0", args.tolerance)));
     }
-    let fixes = read_track(&args.log, args.system)?;
+    let files = LogFiles::find(&args.log)?;
+    let fixes = read_track(&files, args.system)?;
     let first_s = fixes.first().map_or(0.0, |fix| fix.time_s);
     let until_s = args.to.unwrap_or(f64::INFINITY);
     let within = |fix: &Fix| (args.from..=until_s).contains(&(fix.time_s - first_s));
@@ -73,7 +74,7 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
     let made = mission_of_track(&chosen, &settings).ok_or_else(|| {
         let what =
             if fixes.is_empty() { "holds no position of a vehicle" } else { "shows no boat that moves" };
-        Failure::failed(format!("{} {what} (see --system, --from and --to)", args.log.display()))
+        Failure::failed(format!("{} {what} (see --system, --from and --to)", files.shown()))
     })?;
     let plan = Plan { mission: made.mission, ..Plan::default() };
     let losses = convert::write(&plan, format, args.output.as_deref(), args.common.json)?;
@@ -88,7 +89,7 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
     if args.common.json {
         let losses: Vec<String> = losses.iter().map(ToString::to_string).collect();
         let report = json!({
-            "log": args.log, "output": args.output, "format": format.name(), "positions": chosen.len(),
+            "log": files.shown(), "output": args.output, "format": format.name(), "positions": chosen.len(),
             "items": plan.mission.items.len(), "length_m": made.length_m, "duration_s": made.duration_s,
             "tolerance_m": args.tolerance, "deviation_m": made.deviation_m, "losses": losses,
         });
@@ -100,9 +101,9 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
 }
 
 /// Where a vehicle was, by its own clock.
-pub(super) fn read_track(path: &Path, system: Option<u8>) -> Result<Vec<Fix>, Failure> {
-    let fault = |error: std::io::Error| Failure::usage(format!("cannot read {}: {error}", path.display()));
-    let mut reader = TlogReader::new(BufReader::new(File::open(path).map_err(fault)?));
+pub(super) fn read_track(files: &LogFiles, system: Option<u8>) -> Result<Vec<Fix>, Failure> {
+    let fault = |error: std::io::Error| Failure::usage(format!("cannot read {}: {error}", files.shown()));
+    let mut reader = TlogReader::new(files.open());
     let mut system = system;
     let mut clock = BootClock::default();
     let mut fixes = Vec::new();

@@ -16,6 +16,7 @@ use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
 use super::super::edge::{Edge, Party};
 use super::super::paced_sitl::{self, PacedSitl};
+use super::super::replay::LogFiles;
 use super::vehicle::{Session, Task, VehicleArgs, talk};
 use super::*;
 use crate::link::{Hub, LinkSettings};
@@ -253,6 +254,7 @@ fn a_review_names_what_is_awkward() {
 #[test]
 fn a_recorded_track_becomes_a_mission() {
     let log = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/ardurover-4.6-motorboat.tlog");
+    let log = LogFiles::find(&[log]).unwrap();
     let fixes = from_track::read_track(&log, None).unwrap();
     assert!(fixes.len() > 1500, "{}", fixes.len());
     assert!(fixes.windows(2).all(|pair| pair[0].time_s <= pair[1].time_s));

@@ -1,12 +1,12 @@
 //! `helmlink replay --to URL`: the log out to a link, at any pace.
 
-use std::fs::File;
 use std::time::Duration;
 
 use helmlink_wire::LinkId;
 use helmlink_wire::tlog::Index;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
+use super::log_files::Joined;
 use super::{LogFiles, ReplayArgs};
 use crate::app::bridge::interrupted;
 use crate::app::console::{self, ProgressLine};
@@ -32,13 +32,11 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles, url: &LinkUrl) -> Result<
     if !(args.speedup > 0.0 && args.speedup.is_finite()) {
         return Err(Failure::usage(format!("--speedup {}: it must be more than 0", args.speedup)));
     }
-    let [path] = files.paths() else {
-        return Err(Failure::usage("--to plays one file at a time: name one of them"));
-    };
-    let read = |error: std::io::Error| Failure::usage(format!("cannot read {}: {error}", path.display()));
-    let index = Index::build(File::open(path).map_err(read)?).map_err(read)?;
+    let name = files.shown();
+    let read = |error: std::io::Error| Failure::usage(format!("cannot read {name}: {error}"));
+    let index = Index::build(files.open()).map_err(read)?;
     let Some((first_us, _)) = index.span_us else {
-        return Err(Failure::usage(format!("{} holds no MAVLink frame", path.display())));
+        return Err(Failure::usage(format!("{name} holds no MAVLink frame")));
     };
     let rebase_us = args.rebase.then(|| unix_time_us() as i64 - first_us as i64);
     let settings = PlaySettings {
@@ -50,7 +48,7 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles, url: &LinkUrl) -> Result<
         rebase_us,
     };
     let player =
-        Player::new(File::open(path).map_err(read)?, index, settings, Duration::ZERO).map_err(read)?;
+        Player::new(files.open_joined().map_err(read)?, index, settings, Duration::ZERO).map_err(read)?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(play(args, url, player))
@@ -77,7 +75,7 @@ fn filter(args: &ReplayArgs) -> Result<PlayFilter, Failure> {
     })
 }
 
-async fn play(args: &ReplayArgs, url: &LinkUrl, player: Player<File>) -> Result<(), Failure> {
+async fn play(args: &ReplayArgs, url: &LinkUrl, player: Player<Joined>) -> Result<(), Failure> {
     let mut hub = Hub::new(LinkSettings::default());
     let endpoint = hub.open(url).await.map_err(Failure::usage)?;
     tracing::info!("playing {:.1} s at {} × to {url}", player.length_s(), args.speedup);
@@ -155,7 +153,7 @@ fn commands() -> UnboundedReceiver<String> {
 
 /// The side of the link that plays.
 struct Station {
-    player: Player<File>,
+    player: Player<Joined>,
     links: Vec<LinkId>,
     due: Vec<(LinkId, Vec<u8>)>,
     begun: bool,

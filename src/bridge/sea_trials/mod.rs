@@ -8,5 +8,6 @@ mod matrix;
 mod recordings;
 mod rejoining;
 mod rig;
+mod senses;
 mod services;
 mod survey;

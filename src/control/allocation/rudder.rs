@@ -75,10 +75,12 @@ impl PropellerRudder {
         let thrust_n = g.thrust.thrust_n(shaft);
         let flow = advance + g.slipstream * thrust_n.max(0.0);
         let gain = g.arm_m * g.rudder_gain;
-        // Divide by the flow that is there, never by less than the floor.
+        // The schedule with speed: divide by the flow that is there, never by less than the floor. A rudder that the
+        // flow has left comes amidships: swinging it to and fro moves nothing but the gear.
+        let alive = (flow / MIN_FLOW_M2PS2).min(1.0);
         let wanted_sine = 2.0 * demand.yaw_nm / (gain * flow.max(MIN_FLOW_M2PS2));
-        let angle =
-            (0.5 * wanted_sine.clamp(-MAX_SINE, MAX_SINE).asin()).clamp(-g.angle_max_rad, g.angle_max_rad);
+        let angle = alive
+            * (0.5 * wanted_sine.clamp(-MAX_SINE, MAX_SINE).asin()).clamp(-g.angle_max_rad, g.angle_max_rad);
         let slewing = self.rudder.is_slewing(dt_s, angle, g.angle_rate_radps, g.rudder_lag_s);
         let actual = self.rudder.step(dt_s, angle, g.angle_rate_radps, g.rudder_lag_s);
         let yaw_nm = gain * flow * actual.sin() * actual.cos();

@@ -82,7 +82,9 @@ impl TurningCircle {
         // Going astern the same steering turns the boat the other way.
         let divisor = if speed.abs() < MIN_SPEED_MPS { MIN_SPEED_MPS } else { speed };
         let wanted_sine = wanted_rate * full_sine / (rate_at_full * divisor);
-        let steering = wanted_sine.clamp(-full_sine, full_sine).asin() / g.angle_max_rad;
+        // At a standstill steering turns nothing, and comes amidships.
+        let alive = (speed.abs() / MIN_SPEED_MPS).min(1.0);
+        let steering = alive * wanted_sine.clamp(-full_sine, full_sine).asin() / g.angle_max_rad;
         let slewing = self.steering.is_slewing(dt_s, steering, g.steering_slew_per_s, g.lag_s);
         let actual = self.steering.step(dt_s, steering, g.steering_slew_per_s, g.lag_s);
         let rate = rate_at_full * speed * (actual * g.angle_max_rad).sin() / full_sine;

@@ -2,6 +2,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathLimits};
+use proptest::prelude::*;
 
 use super::*;
 
@@ -52,6 +53,44 @@ fn bad_input_is_refused_and_changes_nothing() {
     }
     disturbed.engage(&good, 0.0).unwrap();
     assert_eq!(disturbed.step(0.05, &good, &path, 1.0), calm.step(0.05, &good, &path, 1.0));
+}
+
+proptest! {
+    /// Whatever is not a number, in whichever field and at whatever moment: no controller gives anything for it, and
+    /// none remembers it.
+    #[test]
+    fn what_is_not_a_number_leaves_no_trace_in_any_controller(
+        field in 0..8usize, moment in 1..40u32, sway in -0.3..0.3f64, rate in -0.2..0.2f64, delay_s in 0.0..0.6f64,
+        bad in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
+    ) {
+        let (boat, path) = (Boat::embedded("otter").unwrap(), path());
+        for controller in Controller::ALL {
+            let mut disturbed = Helm::with_controller(&boat, controller, EndOfPath::Stop);
+            let mut calm = Helm::with_controller(&boat, controller, EndOfPath::Stop);
+            for helm in [&mut disturbed, &mut calm] {
+                helm.set_delay_s(delay_s);
+                helm.engage(&state(at(1.0, 5.0), 1.0), 0.0).unwrap();
+            }
+            for tick in 0..60 {
+                let good = VesselState {
+                    sway_mps: sway,
+                    yaw_rate_radps: rate,
+                    ..state(at(1.0, 5.0 + 0.05 * f64::from(tick)), 1.0 + 0.05 * rate * f64::from(tick))
+                };
+                if tick == moment {
+                    let (mut lost, mut dt_s, mut speed_mps) = (good, 0.05, 1.2);
+                    *[
+                        &mut lost.position.north_m, &mut lost.position.east_m, &mut lost.heading_rad, &mut lost.surge_mps,
+                        &mut lost.sway_mps, &mut lost.yaw_rate_radps, &mut dt_s, &mut speed_mps,
+                    ][field] = bad;
+                    prop_assert!(disturbed.step(dt_s, &lost, &path, speed_mps).is_err(), "{controller}");
+                }
+                let output = disturbed.step(0.05, &good, &path, 1.2).unwrap();
+                prop_assert!(output.command.throttle.is_finite() && output.command.steering.is_finite());
+                prop_assert_eq!(output, calm.step(0.05, &good, &path, 1.2).unwrap(), "{}", controller);
+            }
+        }
+    }
 }
 
 #[test]

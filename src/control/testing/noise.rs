@@ -14,12 +14,15 @@ const SPEED_MPS: f64 = 0.03;
 
 pub(crate) struct Noise {
     rng: ChaCha8Rng,
+    /// Noise of heading and yaw rate, and of the velocity, relative to the usual.
+    pub(crate) turn: f64,
+    pub(crate) speed: f64,
     slow_m: [f64; 2],
 }
 
 impl Noise {
     pub(crate) fn seeded(seed: u64) -> Self {
-        Self { rng: ChaCha8Rng::seed_from_u64(seed), slow_m: [0.0; 2] }
+        Self { rng: ChaCha8Rng::seed_from_u64(seed), turn: 1.0, speed: 1.0, slow_m: [0.0; 2] }
     }
 
     /// Nearly normal with unit variance: twelve uniform numbers.
@@ -35,10 +38,10 @@ impl Noise {
         }
         state.position.north_m += self.slow_m[0] + POSITION_M * self.normal();
         state.position.east_m += self.slow_m[1] + POSITION_M * self.normal();
-        state.heading_rad += HEADING_RAD * self.normal();
-        state.yaw_rate_radps += YAW_RATE_RADPS * self.normal();
-        state.surge_mps += SPEED_MPS * self.normal();
-        state.sway_mps += SPEED_MPS * self.normal();
+        state.heading_rad += self.turn * HEADING_RAD * self.normal();
+        state.yaw_rate_radps += self.turn * YAW_RATE_RADPS * self.normal();
+        state.surge_mps += self.speed * SPEED_MPS * self.normal();
+        state.sway_mps += self.speed * SPEED_MPS * self.normal();
         state
     }
 }

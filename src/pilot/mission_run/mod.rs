@@ -29,6 +29,8 @@ use crate::vehicle::output::Demand;
 
 /// Steps longer than this are made as if they were this long, seconds: the law must not take a gap for motion.
 const LONGEST_STEP_S: f64 = 0.2;
+/// Telemetry that stays away for longer than this leaves a gap, seconds: several samples are missing.
+const GAP_S: f64 = 2.0 * LONGEST_STEP_S;
 /// Steps shorter than this are not made, seconds.
 const SHORTEST_STEP_S: f64 = 1e-3;
 
@@ -159,6 +161,11 @@ impl MissionRun {
         self.helm.set_delay_s(delay_s);
     }
 
+    /// The law and what it has found out about boat and sensors.
+    pub fn helm(&self) -> &Helm {
+        &self.helm
+    }
+
     /// The next thing to be passed on to the flight controller.
     pub fn pop_due_task(&mut self) -> Option<Task> {
         let index = self.tasks.pop_due()?;
@@ -170,8 +177,11 @@ impl MissionRun {
     /// # Errors
     /// The state is not a number or absurd; the boat must be stopped.
     pub fn step(&mut self, boot_s: f64, state: &VesselState) -> Result<Step, RunError> {
-        let dt_s = self.last_step_s.map_or(SHORTEST_STEP_S, |last_s| boot_s - last_s);
-        let dt_s = dt_s.clamp(SHORTEST_STEP_S, LONGEST_STEP_S);
+        let since_s = self.last_step_s.map_or(SHORTEST_STEP_S, |last_s| boot_s - last_s);
+        if since_s > GAP_S {
+            self.helm.bridge_gap(since_s - LONGEST_STEP_S);
+        }
+        let dt_s = since_s.clamp(SHORTEST_STEP_S, LONGEST_STEP_S);
         self.last_step_s = Some(boot_s);
         let before = self.next;
         if matches!(self.phase, Phase::ToStart) {

@@ -36,6 +36,13 @@ impl<R: Read> TlogReader<R> {
         }
     }
 
+    /// Finds records of messages that the dialect lacks, too: their frames are not verified, since nobody can.
+    #[must_use]
+    pub fn with_unknown(mut self) -> Self {
+        self.search.with_unknown = true;
+        self
+    }
+
     /// The next record with a verified frame; `None` at the end of the log.
     ///
     /// # Errors
@@ -43,12 +50,12 @@ impl<R: Read> TlogReader<R> {
     pub fn next_record(&mut self) -> io::Result<Option<Record<'_>>> {
         loop {
             match self.search.step(&self.buffer, self.ended) {
-                Step::Record { time_us, frame } => {
+                Step::Record { time_us, frame, is_verified } => {
                     let offset = self.buffer_at + frame.start.saturating_sub(STAMP_LENGTH) as u64;
                     return Ok(Some(Record {
                         time_us,
                         offset,
-                        frame: Frame::new(&self.buffer[frame], true),
+                        frame: Frame::new(&self.buffer[frame], is_verified),
                     }));
                 }
                 Step::NeedsMoreBytes => self.fill()?,
@@ -126,9 +133,9 @@ impl<'a> Iterator for Records<'a> {
 
     fn next(&mut self) -> Option<Record<'a>> {
         match self.search.step(self.log, true) {
-            Step::Record { time_us, frame } => {
+            Step::Record { time_us, frame, is_verified } => {
                 let offset = frame.start.saturating_sub(STAMP_LENGTH) as u64;
-                Some(Record { time_us, offset, frame: Frame::new(&self.log[frame], true) })
+                Some(Record { time_us, offset, frame: Frame::new(&self.log[frame], is_verified) })
             }
             Step::NeedsMoreBytes | Step::End => None,
         }

@@ -9,8 +9,8 @@ use crate::stats::Tally;
 
 /// What a step of the search comes to.
 pub(super) enum Step {
-    /// A record with a verified frame, which lies at `frame` in the bytes searched.
-    Record { time_us: u64, frame: Range<usize> },
+    /// A record with a frame, which lies at `frame` in the bytes searched.
+    Record { time_us: u64, frame: Range<usize>, is_verified: bool },
     /// The bytes do not reach far enough.
     NeedsMoreBytes,
     /// The log has no more records.
@@ -22,6 +22,8 @@ pub(super) enum Step {
 pub(super) struct Search {
     pub(super) tally: Tally,
     at: usize,
+    /// Records of messages that the dialect lacks are found, too, where they stand in a row with others.
+    pub(super) with_unknown: bool,
     /// Records no longer follow each other: any byte may be the start of a frame.
     lost: bool,
     /// Bytes passed over since the last record, while lost.
@@ -56,7 +58,8 @@ impl Search {
 
     /// The bytes that come are from another place of the log.
     pub(super) fn restart(&mut self) {
-        *self = Self { tally: std::mem::take(&mut self.tally), ..Self::default() };
+        let tally = std::mem::take(&mut self.tally);
+        *self = Self { tally, with_unknown: self.with_unknown, ..Self::default() };
     }
 
     /// Expects a record right here, as in a sound log.
@@ -74,7 +77,11 @@ impl Search {
                     Belief::Yes => {
                         self.tally.took(&Frame::new(&candidate[..length], false));
                         self.at = start + length;
-                        return None;
+                        return self.with_unknown.then(|| Step::Record {
+                            time_us: stamp_before(bytes, start),
+                            frame: start..start + length,
+                            is_verified: false,
+                        });
                     }
                     Belief::NeedsMoreBytes => return Some(Step::NeedsMoreBytes),
                     Belief::No => {}
@@ -110,7 +117,7 @@ impl Search {
         self.at = frame.end;
         self.lost = false;
         self.passed = 0;
-        Step::Record { time_us, frame }
+        Step::Record { time_us, frame, is_verified: true }
     }
 
     /// The time of the frame that has been found here after a search.

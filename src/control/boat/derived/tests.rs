@@ -4,7 +4,7 @@ use helmlink_sitl::physics::{ActuatorCommand, Hull, Pose, Sea, SensorSettings, V
 
 use super::*;
 use crate::control::Controller;
-use crate::simulation::Trial;
+use crate::simulation::{Perturbation, Trial};
 use crate::vehicle::OutputKind;
 
 /// What an owner would measure: one run along a line at full throttle, one circle at half throttle.
@@ -33,32 +33,66 @@ fn measured(hull: &Hull) -> Particulars {
     }
 }
 
+/// A run of a boat by rule on this hull.
+fn trial(hull: &Hull, particulars: &Particulars) -> Trial {
+    let mission: Mission = include_str!("../../../../mission/plans/arcs-otter.waypoints").parse().unwrap();
+    Trial {
+        boat: Boat::derived("by-rule", particulars).unwrap(),
+        controller: Controller::PiSmc,
+        output: OutputKind::RcOverride,
+        speed_mps: Some(1.2),
+        interval_s: 0.04,
+        sea: Sea { current: Some("0.2@40".parse().unwrap()), ..Sea::default() },
+        sensors: SensorSettings::typical(),
+        seed: 21,
+        delay_s: 0.0,
+        home: mission.home.unwrap(),
+        heading_rad: 0.0,
+        route: Route::from_mission(&mission).unwrap(),
+        mission,
+        hull: hull.clone(),
+    }
+}
+
+/// Root mean square of its distance from the path, m; infinite where it does not arrive.
+fn error_m(hull: &Hull, particulars: &Particulars) -> f64 {
+    let outcome = trial(hull, particulars).run().unwrap();
+    let spread = outcome.score.and_then(|score| score.path_error_m).filter(|_| outcome.completed);
+    spread.map_or(f64::INFINITY, |spread| spread.rms)
+}
+
 #[test]
 fn a_boat_by_rule_drives_hulls_that_the_rule_was_not_made_for() {
-    let mission: Mission = include_str!("../../../../mission/plans/arcs-otter.waypoints").parse().unwrap();
-    let route = Route::from_mission(&mission).unwrap();
-    for name in ["skiff", "otter"] {
-        let hull = Hull::builtin(name).unwrap();
-        let boat = Boat::derived(name, &measured(&hull)).unwrap();
-        let trial = Trial {
-            boat,
-            controller: Controller::PiSmc,
-            output: OutputKind::RcOverride,
-            speed_mps: Some(1.2),
-            interval_s: 0.04,
-            sea: Sea { current: Some("0.2@40".parse().unwrap()), ..Sea::default() },
-            sensors: SensorSettings::typical(),
-            seed: 21,
-            delay_s: 0.0,
-            home: mission.home.unwrap(),
-            heading_rad: 0.0,
-            mission: mission.clone(),
-            route: route.clone(),
-            hull: hull.clone(),
-        };
-        let outcome = trial.run().unwrap();
-        let error_m = outcome.score.as_ref().unwrap().path_error_m.unwrap().rms;
-        assert!(outcome.completed && error_m < 0.25 * hull.length_m, "{name}: {error_m} {outcome:?}");
+    for (name, change, lengths) in [
+        ("otter", Perturbation::Nominal, 0.25),
+        ("skiff", Perturbation::Nominal, 0.25),
+        // Half as heavy again, and a slippery one: other boats altogether.
+        ("skiff", Perturbation::Mass(1.5), 0.35),
+        ("otter", Perturbation::Damping(0.6), 0.25),
+        ("motorboat", Perturbation::Nominal, 0.25),
+    ] {
+        let nominal = Hull::builtin(name).unwrap();
+        let mut changed = trial(&nominal, &measured(&nominal));
+        change.apply(&mut changed);
+        let hull = changed.hull;
+        let right = measured(&hull);
+        let error_m = error_m(&hull, &right);
+        println!("{name} {change}: {right:?}, {error_m:.3} m");
+        assert!(error_m < lengths * hull.length_m, "{name} {change}: {error_m} m by {right:?}");
+    }
+}
+
+#[test]
+fn a_boat_by_rule_from_wrong_figures_does_not() {
+    let hull = Hull::builtin("skiff").unwrap();
+    let right = measured(&hull);
+    for wrong in [
+        Particulars { turning_circle_m: 0.2 * right.turning_circle_m, ..right },
+        Particulars { top_speed_mps: 5.0 * right.top_speed_mps, ..right },
+    ] {
+        let error_m = error_m(&hull, &wrong);
+        println!("{wrong:?}: {error_m:.3} m");
+        assert!(error_m > 0.25 * hull.length_m, "{wrong:?}: {error_m} m");
     }
 }
 
