@@ -3,11 +3,14 @@
 //! ```console
 //! helmlink sitl --listen tcpin:127.0.0.1:5760 &
 //! cargo run --release --example soak -- 127.0.0.1:5760 $! 60
+//! cargo run --release --example soak -- 127.0.0.1:5760 $! 60 deaf
 //! ```
 //!
-//! Arguments: address, process id of the boat (for its memory; 0 to leave that out), seconds. Fifty connections:
-//! noise at 100 kB/s, frames with random fields, frames cut short, some that never read, some that come and go.
-//! Exit code 1 when a heartbeat is more than 0.1 s early or late, or the memory grows by more than 2 MB.
+//! Arguments: address, process id of the boat (for its memory; 0 to leave that out), seconds, kind of attack. Fifty
+//! connections: noise at 100 kB/s, frames with random fields, frames cut short, some that never read, some that
+//! come and go. With `deaf` all but the honest one ask for every stream at 40 Hz, never read, and come back when
+//! they are dropped. Exit code 1 when a heartbeat is more than 0.1 s early or late, or the memory grows by more
+//! than 2 MB at any time.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -16,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use helmlink_wire::dialect::{MavlinkVersion, Message, MessageSet};
+use helmlink_wire::dialect::{HEARTBEAT_DATA, MavlinkVersion, Message, MessageSet, REQUEST_DATA_STREAM_DATA};
 use helmlink_wire::{Encoder, Framer, Identity};
 
 /// Connections that never read; those that come and go; all others are silent listeners.
@@ -45,7 +48,8 @@ fn main() -> ExitCode {
     let address = arguments.get(1).cloned().unwrap_or_else(|| "127.0.0.1:5760".to_owned());
     let process: u32 = arguments.get(2).and_then(|text| text.parse().ok()).unwrap_or(0);
     let seconds: u64 = arguments.get(3).and_then(|text| text.parse().ok()).unwrap_or(60);
-    match soak(&address, process, Duration::from_secs(seconds)) {
+    let attack = if arguments.get(4).is_some_and(|kind| kind == "deaf") { deaf } else { attack };
+    match soak(&address, process, Duration::from_secs(seconds), attack) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
@@ -55,7 +59,12 @@ fn main() -> ExitCode {
     }
 }
 
-fn soak(address: &str, process: u32, length: Duration) -> std::io::Result<bool> {
+fn soak(
+    address: &str,
+    process: u32,
+    length: Duration,
+    attack: fn(&str, usize, &AtomicBool),
+) -> std::io::Result<bool> {
     let over = Arc::new(AtomicBool::new(false));
     let mut honest = TcpStream::connect(address)?;
     // Settled before the attack: two heartbeats.
@@ -66,13 +75,15 @@ fn soak(address: &str, process: u32, length: Duration) -> std::io::Result<bool> 
         let (address, over) = (address.to_owned(), Arc::clone(&over));
         attackers.push(std::thread::spawn(move || attack(&address, number, &over)));
     }
+    let watch = Arc::clone(&over);
+    let watcher = std::thread::spawn(move || most_memory_kb(process, &watch));
     let intervals = intervals(&mut honest, length)?;
     over.store(true, Ordering::Relaxed);
     for attacker in attackers {
         // Attackers end as they like; a broken connection is theirs.
         let _ = attacker.join();
     }
-    let growth_kb = memory_kb(process).saturating_sub(before_kb);
+    let growth_kb = watcher.join().unwrap_or(u64::MAX).saturating_sub(before_kb);
     let least = intervals.iter().min().copied().unwrap_or_default();
     let most = intervals.iter().max().copied().unwrap_or_default();
     eprintln!(
@@ -156,6 +167,32 @@ fn attack(address: &str, number: usize, over: &AtomicBool) {
     }
 }
 
+/// Asks for more than anybody would and never reads a byte.
+fn deaf(address: &str, _number: usize, over: &AtomicBool) {
+    let everything = Message::REQUEST_DATA_STREAM(REQUEST_DATA_STREAM_DATA {
+        req_message_rate: 40,
+        start_stop: 1,
+        target_system: 1,
+        target_component: 1,
+        ..REQUEST_DATA_STREAM_DATA::DEFAULT
+    });
+    let mut encoder = Encoder::new();
+    while !over.load(Ordering::Relaxed) {
+        let Ok(mut stream) = TcpStream::connect(address) else { return };
+        let mut message = everything.clone();
+        while !over.load(Ordering::Relaxed) {
+            let mut bytes = Vec::new();
+            encoder.encode(Identity { system: 255, component: 190 }, &message, &mut bytes);
+            if stream.write_all(&bytes).is_err() {
+                break;
+            }
+            message =
+                Message::HEARTBEAT(HEARTBEAT_DATA { mavtype: 6, autopilot: 8, ..HEARTBEAT_DATA::DEFAULT });
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+}
+
 /// What turns the boat off, stops its time, cuts its links or changes their key is no attack but an order.
 fn is_an_order(message: &Message) -> bool {
     match message {
@@ -164,6 +201,16 @@ fn is_an_order(message: &Message) -> bool {
         Message::PARAM_SET(_) | Message::SETUP_SIGNING(_) => true,
         _ => false,
     }
+}
+
+/// The most memory that a process holds until it is over, looked at twenty times a second, kB.
+fn most_memory_kb(process: u32, over: &AtomicBool) -> u64 {
+    let mut most = memory_kb(process);
+    while !over.load(Ordering::Relaxed) {
+        std::thread::sleep(Duration::from_millis(50));
+        most = most.max(memory_kb(process));
+    }
+    most
 }
 
 /// Resident memory of a process, kB; 0 where that is not known.

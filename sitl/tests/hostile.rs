@@ -2,6 +2,7 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use helmlink_sitl::physics::Hull;
@@ -31,6 +32,9 @@ unsafe impl GlobalAlloc for Counting {
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
+
+/// The tests measure the memory of all threads, so they run one after the other.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// Growth that is allowed, bytes.
 const GROWTH: usize = 2 << 20;
@@ -174,6 +178,7 @@ impl Honest {
 
 #[test]
 fn sixty_seconds_of_hostile_traffic_change_nothing_for_the_others() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut boat = Sitl::new(SitlSettings::new(Hull::builtin("skiff").unwrap())).unwrap();
     let mut numbers = Numbers(0x5EED);
     let mut encoder = Encoder::new();
@@ -250,4 +255,55 @@ fn sixty_seconds_of_hostile_traffic_change_nothing_for_the_others() {
     assert_eq!(honest.answered, asked, "every question is answered");
     let truth = boat.truth().hull;
     assert!(truth.north_m.is_finite() && truth.psi_rad.is_finite());
+}
+
+#[test]
+fn fifty_clients_that_never_read_cost_no_memory_and_find_their_answers() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut boat = Sitl::new(SitlSettings::new(Hull::builtin("skiff").unwrap())).unwrap();
+    let mut encoder = Encoder::new();
+    let mut said = |boat: &mut Sitl, link: LinkId, message: &Message| {
+        let mut bytes = Vec::new();
+        encoder.encode(GCS, message, &mut bytes);
+        boat.on_bytes(link, &bytes);
+    };
+    for link in 0..50 {
+        assert!(boat.link_up(LinkId(link)));
+    }
+    boat.advance(Duration::from_secs(5));
+    while boat.poll_transmit().is_some() {}
+    let before = IN_USE.load(Ordering::Relaxed);
+    for link in 0..50 {
+        let everything = REQUEST_DATA_STREAM_DATA {
+            req_message_rate: 40,
+            start_stop: 1,
+            target_system: 1,
+            target_component: 1,
+            ..REQUEST_DATA_STREAM_DATA::DEFAULT
+        };
+        said(&mut boat, LinkId(link), &Message::REQUEST_DATA_STREAM(everything));
+        let unknown = COMMAND_LONG_DATA { command: 60_000, target_system: 1, ..COMMAND_LONG_DATA::DEFAULT };
+        said(&mut boat, LinkId(link), &Message::COMMAND_LONG(unknown));
+    }
+    let mut most = 0;
+    for step in 1..=(60 * 50) {
+        boat.advance(Duration::from_secs(5) + LOOP * step);
+        most = most.max(IN_USE.load(Ordering::Relaxed).saturating_sub(before));
+    }
+    println!("{most} bytes more, {} bytes lost", boat.lost_bytes());
+    assert!(most <= GROWTH, "{most} bytes more");
+    assert!(boat.lost_bytes() > 10 << 20, "the streams were lost, not held: {}", boat.lost_bytes());
+    let mut clients: Vec<(Framer, u32, u32)> = (0..50).map(|_| (Framer::new(), 0, 0)).collect();
+    while let Some((link, bytes)) = boat.poll_transmit() {
+        let (framer, acks, beats) = &mut clients[link.0 as usize];
+        framer.push(&bytes);
+        while let Some(frame) = framer.next_frame() {
+            match frame.decode() {
+                Ok(Message::COMMAND_ACK(ack)) if ack.command == 60_000 => *acks += 1,
+                Ok(Message::HEARTBEAT(_)) => *beats += 1,
+                _ => {}
+            }
+        }
+    }
+    assert!(clients.iter().all(|(_, acks, beats)| *acks == 1 && *beats >= 1));
 }

@@ -9,17 +9,24 @@ use tokio::net::UdpSocket;
 use super::bridge::interrupted;
 use super::console;
 use super::failure::Failure;
+use super::scenario;
 use super::world::World;
 
 /// Longer than any packet of the protocol.
 const LONGEST_DATAGRAM: usize = 2048;
 
-/// Answers servo packets with the boat's motion until interrupted.
+/// The boat in its world.
+pub(super) fn physics(world: &World) -> ArduPilotPhysics {
+    ArduPilotPhysics::new(world.hull.clone(), &world.sea, world.seed, heading_deg(world).to_radians())
+}
+
+/// Answers servo packets with the boat's motion until interrupted, or until the scenario is over.
 ///
 /// # Errors
-/// The address cannot be bound.
+/// The address cannot be bound; an expectation of the scenario has not come true.
 pub(super) async fn serve(
     address: SocketAddr,
+    mut physics: ArduPilotPhysics,
     world: &World,
     home: Geodetic,
     json: bool,
@@ -39,13 +46,11 @@ pub(super) async fn serve(
     if json {
         console::say(&serde_json::json!({ "ardupilot_json": bound.to_string() }).to_string());
     }
-    let heading_rad = heading_deg(world).to_radians();
-    let mut physics = ArduPilotPhysics::new(world.hull.clone(), &world.sea, world.seed, heading_rad);
     let mut interrupt = std::pin::pin!(interrupted());
     let mut datagram = [0; LONGEST_DATAGRAM];
-    loop {
+    while !physics.is_scenario_over() {
         let received = tokio::select! {
-            () = &mut interrupt => return Ok(()),
+            () = &mut interrupt => break,
             received = socket.recv_from(&mut datagram) => received,
         };
         // An ArduPilot that is gone shows as an error of the next read; the next one will come.
@@ -66,6 +71,14 @@ pub(super) async fn serve(
             Err(fault) => tracing::warn!("from {from}: {fault}"),
         }
     }
+    physics.end_scenario();
+    let verdicts = physics.verdicts();
+    if json && !verdicts.is_empty() {
+        console::say(&serde_json::json!({ "expectations": scenario::json(verdicts) }).to_string());
+    } else if !verdicts.is_empty() {
+        console::say(&scenario::text(verdicts));
+    }
+    scenario::check(verdicts)
 }
 
 fn heading_deg(world: &World) -> f64 {

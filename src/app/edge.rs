@@ -18,9 +18,6 @@ const WRITE_LIMIT: usize = 1400;
 /// Events handled in one turn at the most: time has to pass for the party too.
 const EVENTS_PER_TURN: usize = 256;
 
-/// A party without a pace waits while so much waits to be read by a peer: a quarter of what fits.
-const CROWDED_BYTES: usize = 16 * 1024;
-
 /// Runs `work` to its end on one thread, as a task.
 ///
 /// The future that a runtime of one thread blocks on is expensive to wake: each time, the runtime writes to a
@@ -162,13 +159,13 @@ impl<P: Party> Edge<P> {
     pub async fn turn(&mut self) -> Option<Seen> {
         let mut seen = None;
         self.has_ticked = false;
-        if self.party.is_eager() && self.hub.most_waiting_bytes() < CROWDED_BYTES {
+        if self.party.is_eager() && !self.hub.is_crowded() {
             self.began = self.start.elapsed();
             // The sockets' tasks need their turn as well.
             tokio::task::yield_now().await;
             for _ in 0..EVENTS_PER_TURN {
                 let Some(event) = self.hub.try_next_event() else { break };
-                seen = self.handle(event).or(seen);
+                seen = self.handle(self.start.elapsed(), event).or(seen);
             }
             self.tick_party();
             self.flush();
@@ -178,10 +175,10 @@ impl<P: Party> Edge<P> {
             biased;
             event = self.hub.next_event() => {
                 self.began = self.start.elapsed();
-                seen = self.handle(event);
+                seen = self.handle(self.began, event);
                 for _ in 1..EVENTS_PER_TURN {
                     let Some(event) = self.hub.try_next_event() else { break };
-                    seen = self.handle(event).or(seen);
+                    seen = self.handle(self.start.elapsed(), event).or(seen);
                 }
                 // A flood of events must not keep the party from its work.
                 if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
@@ -208,7 +205,7 @@ impl<P: Party> Edge<P> {
     /// Whether a party without a pace must wait for a peer to read. One that reads nothing at all is dropped
     /// by its link in the end.
     fn is_crowded(&self) -> bool {
-        self.party.is_eager() && self.hub.most_waiting_bytes() >= CROWDED_BYTES
+        self.party.is_eager() && self.hub.is_crowded()
     }
 
     /// Sends what the party has to say.
@@ -238,8 +235,7 @@ impl<P: Party> Edge<P> {
         self.write.clear();
     }
 
-    fn handle(&mut self, event: LinkEvent) -> Option<Seen> {
-        let now = self.start.elapsed();
+    fn handle(&mut self, now: Duration, event: LinkEvent) -> Option<Seen> {
         match event {
             LinkEvent::Up { link, endpoint, peer } => {
                 self.party.link_up(now, link, endpoint);

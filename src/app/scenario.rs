@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use helmlink_sitl::Sitl;
 use helmlink_sitl::scenario::{Scenario, Verdict};
 
 use super::failure::Failure;
@@ -34,6 +33,21 @@ pub(super) fn load(name: &str) -> Result<ScenarioFile, Failure> {
     let scenario =
         Scenario::from_toml(&text).map_err(|error| Failure::usage(format!("--scenario {name}: {error}")))?;
     Ok(ScenarioFile { scenario, folder })
+}
+
+/// The same for a boat that somebody else steers.
+///
+/// # Errors
+/// As [`load`], or the scenario gives orders of its own.
+pub(super) fn load_without_orders(name: &str) -> Result<ScenarioFile, Failure> {
+    let file = load(name)?;
+    match file.scenario.order() {
+        None => Ok(file),
+        Some(order) => Err(Failure::usage(format!(
+            "--scenario {name}: it {order}, but here the bridge is at the helm; run it with `helmlink sitl \
+             --scenario {name}`"
+        ))),
+    }
 }
 
 impl ScenarioFile {
@@ -97,8 +111,8 @@ pub(super) fn json(verdicts: &[Verdict]) -> serde_json::Value {
 
 /// # Errors
 /// An expectation has not come true: the first such one.
-pub(super) fn check(sitl: &Sitl) -> Result<(), Failure> {
-    match sitl.verdicts().iter().find(|verdict| verdict.passed != Some(true)) {
+pub(super) fn check(verdicts: &[Verdict]) -> Result<(), Failure> {
+    match verdicts.iter().find(|verdict| verdict.passed != Some(true)) {
         None => Ok(()),
         Some(verdict) => {
             let seen = if verdict.seen.is_empty() { "it was never decided" } else { &verdict.seen };

@@ -45,7 +45,8 @@ pub struct SitlArgs {
     /// How many times faster than real time, or `max` for as fast as the machine goes
     #[arg(long, default_value = "1", value_name = "N|max", value_parser = parse_speedup)]
     pub speedup: f64,
-    /// A scenario: one that comes with helmlink (gps-loss, lost-rudder, rising-sea, tired-battery) or a file.
+    /// A scenario: one that comes with helmlink (bad-link, freshening-wind, gps-loss, lost-rudder, rising-sea,
+    /// tired-battery) or a file.
     /// Ends with exit code 1 when an expectation does not come true
     #[arg(long, value_name = "NAME|FILE")]
     pub scenario: Option<String>,
@@ -72,9 +73,10 @@ pub struct SitlArgs {
     /// Start with time stopped; a client lets it pass (see docs/simulator.md)
     #[arg(long)]
     pub paused: bool,
-    /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS)
+    /// Be the physics behind a real ArduPilot instead (start it with --model JSON:ADDRESS). Faults and scenarios
+    /// are then those of hull and sea alone
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:9002",
-          conflicts_with_all = ["signing_key", "scenario", "fault", "params", "param", "mission", "duration", "paused", "arm", "record"])]
+          conflicts_with_all = ["signing_key", "params", "param", "mission", "duration", "paused", "arm", "record"])]
     pub ardupilot_json: Option<std::net::SocketAddr>,
     /// A mission that the boat has on board from the start
     #[arg(long, value_name = "FILE")]
@@ -115,8 +117,15 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     if let Some(address) = args.ardupilot_json {
+        let mut physics = ardupilot_json::physics(&world);
+        for fault in &args.fault {
+            physics.schedule(*fault).map_err(Failure::usage)?;
+        }
+        if let Some(file) = scenario {
+            physics.play(file.scenario).map_err(Failure::usage)?;
+        }
         let home = home(&world, None);
-        return runtime.block_on(ardupilot_json::serve(address, &world, home, args.common.json));
+        return runtime.block_on(ardupilot_json::serve(address, physics, &world, home, args.common.json));
     }
     let of_scenario = scenario.as_ref().and_then(ScenarioFile::mission);
     let path = args.mission.clone().or(of_scenario);
@@ -300,7 +309,7 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
     if ends {
         report(args, &boat);
     }
-    scenario::check(&boat.sitl)
+    scenario::check(boat.sitl.verdicts())
 }
 
 /// Says how a run with an end went.

@@ -185,7 +185,7 @@ impl Hub {
     }
 
     /// Queues `data` for a peer as one write: one datagram on UDP. Never waits; when the peer does not
-    /// keep up, its oldest waiting writes are lost and counted. False when the peer is gone.
+    /// keep up, its oldest waiting writes are lost and counted, answers last. False when the peer is gone.
     pub fn send(&self, link: LinkId, data: &[u8]) -> bool {
         self.shared.registry.outbox(link).is_some_and(|outbox| outbox.push(data))
     }
@@ -200,9 +200,9 @@ impl Hub {
         self.shared.registry.traffic()
     }
 
-    /// Bytes that wait to be written, on the link where most do.
-    pub fn most_waiting_bytes(&self) -> usize {
-        self.shared.registry.most_waiting_bytes()
+    /// Whether a peer does not keep up: a quarter of what may wait for it does.
+    pub fn is_crowded(&self) -> bool {
+        self.shared.registry.is_crowded()
     }
 
     /// Closes every endpoint: waiting bytes are written for at most [`LinkSettings::flush`], then all

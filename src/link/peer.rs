@@ -1,10 +1,11 @@
 //! One peer: its number, its bounded queue of writes, its counters.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use helmlink_wire::LinkId;
+use helmlink_wire::outbox::Lost;
 use tokio::sync::Notify;
 
 use super::hub::{Endpoint, LinkEvent};
@@ -30,6 +31,8 @@ pub(super) struct HubClosed;
 #[derive(Debug, Default)]
 pub(super) struct Registry {
     peers: Mutex<BTreeMap<LinkId, Arc<Outbox>>>,
+    /// How many there are.
+    count: Arc<AtomicUsize>,
     next: AtomicU32,
 }
 
@@ -42,19 +45,23 @@ impl Registry {
         lock(&self.peers).iter().map(|(link, outbox)| (*link, outbox.traffic())).collect()
     }
 
-    /// Bytes that wait to be written, for the peer for which most do.
-    pub(super) fn most_waiting_bytes(&self) -> usize {
-        lock(&self.peers).values().map(|outbox| lock(&outbox.waiting).bytes).max().unwrap_or(0)
+    /// Whether a peer has a quarter of what may wait for it to read.
+    pub(super) fn is_crowded(&self) -> bool {
+        lock(&self.peers).values().any(|outbox| outbox.is_crowded())
     }
 
     fn insert(&self, outbox: Arc<Outbox>) -> LinkId {
         let link = LinkId(self.next.fetch_add(1, Ordering::Relaxed));
-        lock(&self.peers).insert(link, outbox);
+        let mut peers = lock(&self.peers);
+        peers.insert(link, outbox);
+        self.count.store(peers.len(), Ordering::Relaxed);
         link
     }
 
     fn remove(&self, link: LinkId) {
-        lock(&self.peers).remove(&link);
+        let mut peers = lock(&self.peers);
+        peers.remove(&link);
+        self.count.store(peers.len(), Ordering::Relaxed);
     }
 }
 
@@ -75,7 +82,7 @@ pub(super) struct Peer {
 impl Peer {
     /// Gives a number to the peer called `name`, for which at most `queue_bytes` may wait.
     pub(super) fn register(endpoint: &Endpoint, name: String, queue_bytes: usize) -> Self {
-        Self::with_outbox(endpoint, name, Outbox::new(queue_bytes))
+        Self::with_outbox(endpoint, name, Outbox::new(Limit::of(endpoint, queue_bytes)))
     }
 
     /// The same for one whose writes need not wait for a task when the system takes them at once.
@@ -85,7 +92,8 @@ impl Peer {
         queue_bytes: usize,
         write: DirectWrite,
     ) -> Self {
-        Self::with_outbox(endpoint, name, Outbox { direct: Some(write), ..Outbox::new(queue_bytes) })
+        let limit = Limit::of(endpoint, queue_bytes);
+        Self::with_outbox(endpoint, name, Outbox { direct: Some(write), ..Outbox::new(limit) })
     }
 
     fn with_outbox(endpoint: &Endpoint, name: String, outbox: Outbox) -> Self {
@@ -152,18 +160,37 @@ impl Drop for Peer {
 /// One write without waiting; true when the system has taken it whole.
 pub(super) type DirectWrite = Box<dyn Fn(&[u8]) -> bool + Send + Sync>;
 
-/// Writes that wait for one peer, the oldest first, bounded in bytes.
+/// Writes that wait for one peer, bounded in bytes.
 pub(super) struct Outbox {
     waiting: Mutex<Waiting>,
     changed: Notify,
-    limit_bytes: usize,
+    limit: Limit,
     direct: Option<DirectWrite>,
+}
+
+/// How much may wait for one peer.
+#[derive(Debug, Clone)]
+struct Limit {
+    own_bytes: usize,
+    /// For all peers together, who share it alike.
+    total_bytes: usize,
+    peers: Arc<AtomicUsize>,
+}
+
+impl Limit {
+    fn of(endpoint: &Endpoint, own_bytes: usize) -> Self {
+        let total_bytes = endpoint.settings.total_queue_bytes;
+        Self { own_bytes, total_bytes, peers: Arc::clone(&endpoint.registry.count) }
+    }
+
+    fn bytes(&self) -> usize {
+        self.own_bytes.min(self.total_bytes / self.peers.load(Ordering::Relaxed).max(1))
+    }
 }
 
 #[derive(Debug, Default)]
 struct Waiting {
-    writes: VecDeque<Vec<u8>>,
-    bytes: usize,
+    writes: helmlink_wire::Outbox,
     /// One has been taken out and may not have left yet: nothing may overtake it.
     under_way: bool,
     closed: bool,
@@ -171,22 +198,19 @@ struct Waiting {
 }
 
 impl Waiting {
-    fn lose_oldest(&mut self) {
-        if let Some(write) = self.writes.pop_front() {
-            self.bytes -= write.len();
-            self.traffic.lost_writes += 1;
-            self.traffic.lost_bytes += write.len() as u64;
-        }
+    fn count(&mut self, lost: Lost) {
+        self.traffic.lost_writes += lost.writes;
+        self.traffic.lost_bytes += lost.bytes;
     }
 }
 
 impl Outbox {
-    fn new(limit_bytes: usize) -> Self {
-        Self { waiting: Mutex::default(), changed: Notify::new(), limit_bytes, direct: None }
+    fn new(limit: Limit) -> Self {
+        Self { waiting: Mutex::default(), changed: Notify::new(), limit, direct: None }
     }
 
-    /// Writes at once where that is possible. Otherwise queues the write, at the price of the oldest ones where there is no room; a write larger than the
-    /// whole queue still waits, alone. False when the outbox is closed.
+    /// Writes at once where that is possible. Otherwise queues the write, at the price of older ones where there is
+    /// no room; see [`helmlink_wire::outbox`]. False when the outbox is closed.
     pub(super) fn push(&self, data: &[u8]) -> bool {
         let mut waiting = lock(&self.waiting);
         if waiting.closed {
@@ -195,19 +219,21 @@ impl Outbox {
         if data.is_empty() {
             return true;
         }
-        let is_next = waiting.writes.is_empty() && !waiting.under_way;
+        let is_next = waiting.writes.bytes() == 0 && !waiting.under_way;
         if is_next && self.direct.as_ref().is_some_and(|write| write(data)) {
             waiting.traffic.sent_bytes += data.len() as u64;
             return true;
         }
-        while waiting.bytes + data.len() > self.limit_bytes && !waiting.writes.is_empty() {
-            waiting.lose_oldest();
-        }
-        waiting.bytes += data.len();
-        waiting.writes.push_back(data.to_vec());
+        let lost = waiting.writes.push(data, self.limit.bytes());
+        waiting.count(lost);
         drop(waiting);
         self.changed.notify_one();
         true
+    }
+
+    /// Whether a quarter of what may wait does.
+    fn is_crowded(&self) -> bool {
+        lock(&self.waiting).writes.bytes() >= self.limit.bytes() / 4
     }
 
     /// The next write, or none once the outbox is closed and empty. For one task at a time.
@@ -216,8 +242,7 @@ impl Outbox {
             {
                 let mut waiting = lock(&self.waiting);
                 waiting.under_way = false;
-                if let Some(write) = waiting.writes.pop_front() {
-                    waiting.bytes -= write.len();
+                if let Some(write) = waiting.writes.pop() {
                     waiting.under_way = true;
                     return Some(write);
                 }
@@ -239,9 +264,8 @@ impl Outbox {
     fn discard(&self) {
         self.close();
         let mut waiting = lock(&self.waiting);
-        while !waiting.writes.is_empty() {
-            waiting.lose_oldest();
-        }
+        let lost = waiting.writes.clear();
+        waiting.count(lost);
     }
 
     pub(super) fn count_sent(&self, bytes: usize) {
@@ -274,9 +298,13 @@ impl std::fmt::Debug for Outbox {
 mod tests {
     use super::*;
 
+    fn outbox(own_bytes: usize) -> Outbox {
+        Outbox::new(Limit { own_bytes, total_bytes: 1000, peers: Arc::new(AtomicUsize::new(1)) })
+    }
+
     #[tokio::test]
     async fn a_full_outbox_loses_its_oldest_writes_and_counts_them() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         for write in [b"aaaa", b"bbbb", b"cccc", b"dddd"] {
             assert!(outbox.push(write));
         }
@@ -289,7 +317,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_write_larger_than_the_queue_waits_alone() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         outbox.push(b"small");
         outbox.push(&[7; 25]);
         assert_eq!(outbox.next().await.map(|write| write.len()), Some(25));
@@ -309,7 +337,7 @@ mod tests {
                 taken
             }
         });
-        let outbox = Outbox { direct: Some(write), ..Outbox::new(100) };
+        let outbox = Outbox { direct: Some(write), ..outbox(100) };
         outbox.push(b"first");
         free.store(false, Ordering::Relaxed);
         outbox.push(b"second");
@@ -327,7 +355,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_closed_outbox_refuses_writes() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         outbox.close();
         assert!(!outbox.push(b"late"));
         assert_eq!(outbox.next().await, None);
@@ -335,10 +363,22 @@ mod tests {
 
     #[tokio::test]
     async fn a_waiting_reader_wakes_for_a_write_and_for_the_close() {
-        let outbox = Outbox::new(10);
+        let outbox = outbox(10);
         let (first, ()) = tokio::join!(outbox.next(), async { assert!(outbox.push(b"x")) });
         assert_eq!(first.as_deref(), Some(&b"x"[..]));
         let (second, ()) = tokio::join!(outbox.next(), async { outbox.close() });
         assert_eq!(second, None);
+    }
+
+    #[tokio::test]
+    async fn many_peers_share_what_may_wait_for_all() {
+        let peers = Arc::new(AtomicUsize::new(1));
+        let outbox = Outbox::new(Limit { own_bytes: 600, total_bytes: 1000, peers: Arc::clone(&peers) });
+        (0..20).for_each(|_| assert!(outbox.push(&[7; 100])));
+        assert_eq!(lock(&outbox.waiting).writes.bytes(), 600);
+        peers.store(5, Ordering::Relaxed);
+        outbox.push(&[7; 100]);
+        assert_eq!(lock(&outbox.waiting).writes.bytes(), 200);
+        assert!(outbox.is_crowded());
     }
 }

@@ -2,12 +2,17 @@
 
 use std::time::Duration;
 
+use super::usb::Places;
+
 /// Bounds and waiting times of a [`Hub`](super::Hub). All times run on tokio's clock, which tests can pause.
 #[derive(Debug, Clone)]
 pub struct LinkSettings {
     /// Bytes that may wait for one network peer. When more are sent, the oldest waiting writes are lost:
-    /// an old command to a boat is worth less than a new one. Default 64 KiB.
+    /// an old command to a boat is worth less than a new one. Answers outlast the rest
+    /// ([`helmlink_wire::outbox`]). Default 64 KiB.
     pub queue_bytes: usize,
+    /// Bytes that may wait for all peers of the hub together, who share them alike. Default 1 MiB.
+    pub total_queue_bytes: usize,
     /// The same bound for a serial port, as the time its line needs to carry what waits. Default 0.5 s
     /// (5.6 KiB at 115200 bit/s).
     pub serial_queue: Duration,
@@ -30,12 +35,15 @@ pub struct LinkSettings {
     pub retry_longest: Duration,
     /// Longest time that waiting bytes are still being written after the hub has been closed. Default 0.5 s.
     pub flush: Duration,
+    /// Where the system shows USB devices; elsewhere in tests.
+    pub(super) usb: Places,
 }
 
 impl Default for LinkSettings {
     fn default() -> Self {
         Self {
             queue_bytes: 64 * 1024,
+            total_queue_bytes: 1024 * 1024,
             serial_queue: Duration::from_millis(500),
             event_capacity: 1024,
             write_stall: Duration::from_secs(10),
@@ -45,6 +53,7 @@ impl Default for LinkSettings {
             retry_first: Duration::from_millis(100),
             retry_longest: Duration::from_secs(5),
             flush: Duration::from_millis(500),
+            usb: Places::default(),
         }
     }
 }

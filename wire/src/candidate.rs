@@ -1,7 +1,6 @@
 //! Whether bytes that may be a frame are one.
 
-use mavlink_core::calculate_crc;
-
+use crate::checksum::checksum;
 use crate::dialect::{MavMessage, MessageSet};
 use crate::frame::Version;
 use crate::layout::{self, CHECKSUM_LENGTH, FLAG_SIGNED, SIGNATURE_LENGTH};
@@ -54,7 +53,7 @@ pub(crate) fn inspect(bytes: &[u8]) -> Verdict {
     let id = layout::message_id(bytes, version);
     let Some(extra) = crc_extra(id) else { return Verdict::Unknown { id, length } };
     let found = u16::from_le_bytes([bytes[checked], bytes[checked + 1]]);
-    if calculate_crc(&bytes[1..checked], extra) == found {
+    if checksum(&bytes[1..checked], extra) == found {
         Verdict::Verified(length)
     } else {
         Verdict::Damaged(length)

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use mavlink_core::calculate_crc;
 use thiserror::Error;
 
 use crate::candidate::crc_extra;
+use crate::checksum::checksum;
 use crate::dialect::{Message, MessageSet};
 use crate::frame::{Identity, Version};
 use crate::layout::{self, MAX_PAYLOAD};
@@ -102,8 +102,8 @@ fn append_payload_and_checksum(version: Version, message: &Message, start: usize
     out.extend_from_slice(&payload[..length]);
     out[start + 1] = length as u8; // the codec writes at most 255 bytes: that is all the buffer holds
     let extra = crc_extra(message.message_id()).unwrap_or_default(); // every `Message` is in the dialect
-    let checksum = calculate_crc(&out[start + 1..], extra);
-    out.extend_from_slice(&checksum.to_le_bytes());
+    let sum = checksum(&out[start + 1..], extra);
+    out.extend_from_slice(&sum.to_le_bytes());
 }
 
 /// Why a message cannot be written.

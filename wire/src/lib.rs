@@ -7,6 +7,7 @@
 //! | [`frame`] | one checked frame: header, payload, decoding |
 //! | [`framer`] | bytes in, frames out; resynchronises after anything |
 //! | [`encoder`] | messages in, bytes out; one sequence counter per component |
+//! | [`outbox`] | what waits for a peer that does not keep up, and what of it is lost first |
 //! | [`signing`] | MAVLink 2 signatures: keys, time stamps, what is refused and why |
 //! | [`stats`] | what a link has carried and lost |
 //! | [`tlog`] | telemetry logs: time-stamped frames, as ground stations write them |
@@ -33,12 +34,14 @@
 //! ```
 
 mod candidate;
+mod checksum;
 pub mod dialect;
 pub mod encoder;
 pub mod enums;
 pub mod frame;
 pub mod framer;
 mod layout;
+pub mod outbox;
 pub mod signing;
 pub mod stats;
 pub mod tlog;
@@ -47,6 +50,7 @@ pub use dialect::Message;
 pub use encoder::{EncodeError, Encoder};
 pub use frame::{DecodeError, Frame, FrameError, Identity, Version};
 pub use framer::Framer;
+pub use outbox::Outbox;
 pub use stats::LinkStatistics;
 
 /// One peer of a party: a TCP client, a UDP remote, a serial port, an in-memory link.

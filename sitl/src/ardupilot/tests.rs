@@ -1,5 +1,6 @@
 use super::*;
 use crate::physics::SeaState;
+use crate::scenario::Scenario;
 
 fn packet(frame: u32, rate: u16, steering_us: u16, throttle_us: u16, outputs: usize) -> Vec<u8> {
     let magic: u16 = if outputs == 16 { 18_458 } else { 29_569 };
@@ -16,6 +17,93 @@ fn packet(frame: u32, rate: u16, steering_us: u16, throttle_us: u16, outputs: us
         bytes.extend(pulse.to_le_bytes());
     }
     bytes
+}
+
+/// Frame 7 at 1200 Hz, output 1 at 1500 µs and output 3 at 1600 µs, as the compiler lays out ArduPilot's
+/// `struct servo_packet` (`libraries/SITL/SIM_JSON.h`; `libraries/SITL/examples/JSON/readme.md`): written down by
+/// hand from the declaration, and the same as its pybullet example unpacks with `HHI16H`.
+const SIXTEEN: &str = "1a48b00407000000\
+                       dc050000400600000000000000000000\
+                       00000000000000000000000000000000";
+/// The same with SERVO_32_ENABLE = 1.
+const THIRTY_TWO: &str = "8173b00407000000\
+                          dc050000400600000000000000000000\
+                          00000000000000000000000000000000\
+                          00000000000000000000000000000000\
+                          00000000000000000000000000000000";
+
+fn bytes(hex: &str) -> Vec<u8> {
+    (0..hex.len() / 2).map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap()).collect()
+}
+
+#[test]
+fn packets_are_read_as_ardupilots_structures_lie_in_memory() {
+    for (hex, outputs) in [(SIXTEEN, 16), (THIRTY_TWO, 32)] {
+        let read = ServoPacket::parse(&bytes(hex)).unwrap();
+        assert_eq!((read.frame_rate_hz, read.frame, read.pulses_us.len()), (1200, 7, outputs));
+        assert_eq!(read.pulses_us[..4], [1500, 0, 1600, 0]);
+        assert_eq!(bytes(hex), packet(7, 1200, 1500, 1600, outputs));
+    }
+}
+
+#[test]
+fn faults_of_the_hull_happen_and_others_are_refused() {
+    let timed = |text: &str| text.parse().unwrap();
+    let mut boat = boat("skiff", &Sea::default());
+    boat.schedule(timed("rudder-stuck=1@5..20")).unwrap();
+    for (fault, hint) in [
+        ("gps-loss", "ArduPilot's own"),
+        ("link-loss=10", "ArduPilot's own"),
+        ("thruster-weak=0.5,right", "no right thruster"),
+    ] {
+        let refused = boat.schedule(timed(fault)).unwrap_err().to_string();
+        assert!(refused.contains(hint), "{refused}");
+    }
+    let yaw_rate = |boat: &mut ArduPilotPhysics, frames: std::ops::Range<u32>| {
+        for frame in frames {
+            boat.on_packet(&packet(frame, 50, 1500, 1700, 16)).unwrap();
+        }
+        boat.truth().hull.r_radps
+    };
+    assert_eq!(yaw_rate(&mut boat, 0..250), 0.0);
+    assert!(yaw_rate(&mut boat, 250..900) > 0.1);
+    assert!(yaw_rate(&mut boat, 900..2500).abs() < 0.02);
+    // ArduPilot starts anew, and so do the faults.
+    assert_eq!(yaw_rate(&mut boat, 0..250), 0.0);
+    assert!(yaw_rate(&mut boat, 250..900) > 0.1);
+}
+
+#[test]
+fn scenarios_of_hull_and_sea_are_played_and_others_refused() {
+    let scenario =
+        |text: &str| Scenario::from_toml(&format!("name = \"x\"\nduration_s = 20\n{text}")).unwrap();
+    let mut boat = boat("skiff", &Sea::default());
+    for (text, hint) in [
+        ("[[event]]\nat_s = 1\naction = \"mode HOLD\"", "orders mode HOLD at 1 s"),
+        ("[[event]]\nat_s = 1\nparameter = \"WP_SPEED=1\"", "sets the parameter WP_SPEED"),
+        ("[[event]]\nat_s = 1\nfault = \"ekf-failure\"", "ArduPilot's own"),
+        ("[[expect]]\nquantity = \"battery_percent\"\nabove = 1", "looks at battery_percent"),
+    ] {
+        let refused = boat.play(scenario(text)).unwrap_err().to_string();
+        assert!(refused.contains(hint), "{refused}");
+    }
+    boat.play(scenario(
+        "clock = \"armed\"\n[[event]]\nat_s = 5\ncurrent = \"0.5@90\"\n\
+         [[expect]]\nquantity = \"east_m\"\nabove = 2\nafter_s = 20\n\
+         [[expect]]\nquantity = \"speed_mps\"\nabove = 90\nwithin_s = 9",
+    ))
+    .unwrap();
+    for frame in 0..100 {
+        boat.on_packet(&packet(frame, 50, 1500, 1500, 16)).unwrap();
+    }
+    // Nobody has used the throttle yet.
+    assert!(boat.verdicts().iter().all(|verdict| verdict.passed.is_none()));
+    for frame in 100..1110 {
+        boat.on_packet(&packet(frame, 50, 1500, 1700, 16)).unwrap();
+    }
+    assert!(boat.is_scenario_over());
+    let passed: Vec<_> = boat.verdicts().iter().map(|verdict| verdict.passed).collect();
+    assert_eq!(passed, [Some(true), Some(false)]);
 }
 
 fn boat(name: &str, sea: &Sea) -> ArduPilotPhysics {

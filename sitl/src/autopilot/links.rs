@@ -8,7 +8,7 @@ use helmlink_wire::encoder::Encoder;
 use helmlink_wire::frame::Identity;
 use helmlink_wire::framer::{Framer, IDLE_FLUSH};
 use helmlink_wire::signing::{Signing, Timestamp, Unsigned};
-use helmlink_wire::{Frame, LinkId};
+use helmlink_wire::{Frame, LinkId, Outbox};
 
 use super::parameters::Listing;
 use super::routes::Routes;
@@ -20,10 +20,9 @@ pub(super) const MAX_LINKS: usize = 64;
 const MAX_WAITING_BYTES: usize = 1 << 20;
 /// Bytes that a chunk counts for on top of its own, so that many tiny datagrams are limited too.
 const CHUNK_OVERHEAD: usize = 64;
-/// Packets that wait to be taken by the link's owner; what exceeds it is lost.
-const MAX_PACKETS: usize = 512;
-/// Frames are gathered into packets of at most this many bytes: they fit an Ethernet frame as one datagram.
-const PACKET_BYTES: usize = 1400;
+/// Bytes that wait to be taken by a link's owner, and by all of them, who share that alike; what exceeds it is
+/// lost, answers last.
+const MAX_LEAVING_BYTES: (usize, usize) = (256 << 10, 1 << 20);
 
 /// One link.
 #[derive(Debug, Default)]
@@ -37,12 +36,6 @@ struct Link {
     outbox: Outbox,
     streams: Streams,
     listing: Option<Listing>,
-}
-
-/// Whole frames in packets, waiting to be taken.
-#[derive(Debug, Default)]
-struct Outbox {
-    packets: VecDeque<Vec<u8>>,
 }
 
 /// Bytes as they arrived.
@@ -61,11 +54,21 @@ pub(super) struct Links {
     pub(super) own: Identity,
     /// What frames are signed and checked with.
     signing: Option<Signing>,
+    /// The frame that is being written.
+    frame: Vec<u8>,
+    lost: u64,
 }
 
 impl Links {
     pub(super) fn new(own: Identity) -> Self {
-        Self { links: BTreeMap::new(), routes: Routes::default(), own, signing: None }
+        Self {
+            links: BTreeMap::new(),
+            routes: Routes::default(),
+            own,
+            signing: None,
+            frame: Vec::new(),
+            lost: 0,
+        }
     }
 
     /// Opens a link; `false` if there are too many already.
@@ -133,15 +136,24 @@ impl Links {
 
     /// Sends a message on one link.
     pub(super) fn send(&mut self, id: LinkId, message: &Message) {
-        if let Some(link) = self.links.get_mut(&id)
-            && let Some(packet) = link.outbox.packet()
-        {
-            let start = packet.len();
-            link.encoder.encode(self.own, message, packet);
-            if let Some(signing) = &mut self.signing {
-                signing.sign(id.0 as u8, packet, start);
-            }
+        let limit_bytes = self.limit_bytes();
+        let Some(link) = self.links.get_mut(&id) else { return };
+        self.frame.clear();
+        link.encoder.encode(self.own, message, &mut self.frame);
+        if let Some(signing) = &mut self.signing {
+            signing.sign(id.0 as u8, &mut self.frame, 0);
         }
+        self.lost += link.outbox.push_frame(&self.frame, limit_bytes).bytes;
+    }
+
+    /// Bytes that may wait on each link.
+    fn limit_bytes(&self) -> usize {
+        MAX_LEAVING_BYTES.0.min(MAX_LEAVING_BYTES.1 / self.links.len().max(1))
+    }
+
+    /// Bytes that were lost because nobody took them.
+    pub(super) fn lost_bytes(&self) -> u64 {
+        self.lost
     }
 
     /// Signs frames from now on, or no longer.
@@ -185,19 +197,20 @@ impl Links {
 
     /// Passes a frame on unchanged.
     pub(super) fn forward(&mut self, to: LinkId, frame: &[u8]) {
-        if let Some(packet) = self.links.get_mut(&to).and_then(|link| link.outbox.packet()) {
-            packet.extend_from_slice(frame);
+        let limit_bytes = self.limit_bytes();
+        if let Some(link) = self.links.get_mut(&to) {
+            self.lost += link.outbox.push_frame(frame, limit_bytes).bytes;
         }
     }
 
     /// The next packet for a link's owner.
     pub(super) fn poll(&mut self) -> Option<(LinkId, Vec<u8>)> {
-        self.links.iter_mut().find_map(|(&id, link)| Some((id, link.outbox.packets.pop_front()?)))
+        self.links.iter_mut().find_map(|(&id, link)| Some((id, link.outbox.pop()?)))
     }
 
     /// The next packet for one link.
     pub(super) fn poll_on(&mut self, link: LinkId) -> Option<Vec<u8>> {
-        self.links.get_mut(&link)?.outbox.packets.pop_front()
+        self.links.get_mut(&link)?.outbox.pop()
     }
 
     /// The rates of a link.
@@ -225,25 +238,9 @@ impl Links {
     }
 }
 
-impl Outbox {
-    /// The packet with room for one more frame; `None` when too much waits already.
-    fn packet(&mut self) -> Option<&mut Vec<u8>> {
-        /// The longest frame: MAVLink 2, signed.
-        const MAX_FRAME: usize = 280;
-        let full = self.packets.back().is_none_or(|last| last.len() + MAX_FRAME > PACKET_BYTES);
-        if full {
-            if self.packets.len() >= MAX_PACKETS {
-                return None;
-            }
-            self.packets.push_back(Vec::with_capacity(PACKET_BYTES));
-        }
-        self.packets.back_mut()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use helmlink_wire::dialect::HEARTBEAT_DATA;
+    use helmlink_wire::dialect::ATTITUDE_DATA;
 
     use super::*;
 
@@ -253,15 +250,19 @@ mod tests {
     fn memory_is_bounded_when_nobody_reads() {
         let mut links = Links::new(OWN);
         links.up(LinkId(1));
-        for _ in 0..200_000 {
-            links.broadcast(&Message::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+        for link in 2..50 {
+            links.up(LinkId(link));
+        }
+        let attitude = Message::ATTITUDE(ATTITUDE_DATA { yawspeed: 1.0, ..ATTITUDE_DATA::DEFAULT });
+        for _ in 0..10_000 {
+            links.broadcast(&attitude);
         }
         let mut bytes = 0;
         while let Some((_, packet)) = links.poll() {
-            assert!(packet.len() <= PACKET_BYTES);
+            assert!(packet.len() <= 1400);
             bytes += packet.len();
         }
-        assert!(bytes <= MAX_PACKETS * PACKET_BYTES, "{bytes}");
+        assert!(bytes <= MAX_LEAVING_BYTES.1 && links.lost_bytes() > 0, "{bytes}");
         links.push(LinkId(1), &vec![0; 3 * MAX_WAITING_BYTES], false);
         assert!(links.links[&LinkId(1)].waiting_bytes <= MAX_WAITING_BYTES + CHUNK_OVERHEAD);
         for _ in 0..100_000 {

@@ -60,7 +60,7 @@ use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
 use helmlink_wire::signing::{Signing, Timestamp};
 use helmlink_wire::{Identity, LinkId};
 
-pub(crate) use modes::mode_number;
+pub(crate) use modes::{mode_name, mode_number};
 pub use settings::{AutopilotSettings, StartUp};
 
 use crate::SitlError;
@@ -230,6 +230,10 @@ impl Autopilot {
 
     pub(crate) fn poll_transmit(&mut self) -> Option<(LinkId, Vec<u8>)> {
         self.links.poll()
+    }
+
+    pub(crate) fn lost_bytes(&self) -> u64 {
+        self.links.lost_bytes()
     }
 
     pub(crate) fn is_armed(&self) -> bool {

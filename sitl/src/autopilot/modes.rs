@@ -59,6 +59,11 @@ pub(crate) fn mode_number(name: &str) -> Option<u32> {
     NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, number)| *number)
 }
 
+/// The name of the mode with this number.
+pub(crate) fn mode_name(number: u32) -> Option<&'static str> {
+    NAMES.iter().find(|(_, known)| *known == number).map(|(name, _)| *name)
+}
+
 /// Why a mode was not entered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(super) enum ModeRefusal {

@@ -16,6 +16,8 @@ pub(crate) use schedule::{Schedule, Turn};
 pub use schedule::{ScheduleError, TimedFault};
 pub use text::FaultTextError;
 
+use crate::physics::faults::{ActuatorFault, Stuck, VesselFaults};
+
 /// Something that fails. Shares are in [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
@@ -183,6 +185,30 @@ impl Fault {
             | Self::Reboot
             | Self::EkfFailure => Ok(()),
         }
+    }
+
+    /// Begins or ends the fault on the hull itself; false for one of sensors, links, battery or computer.
+    pub(crate) fn put_on_hull(&self, faults: &mut VesselFaults, begins: bool) -> bool {
+        let mut thrusters = |which: Thrusters, put: &dyn Fn(&mut ActuatorFault)| {
+            let [left, right] = &mut faults.thrusters;
+            match which {
+                Thrusters::Left => put(left),
+                Thrusters::Right => put(right),
+                Thrusters::All => [left, right].into_iter().for_each(put),
+            }
+        };
+        let stuck = |at: Option<f64>| begins.then_some(at.map_or(Stuck::WhereItIs, Stuck::At));
+        let left_over = |share: f64| if begins { share } else { 1.0 };
+        match *self {
+            Self::RudderStuck { at } => faults.rudder.stuck = stuck(at),
+            Self::RudderWeak { share } => faults.rudder.share = left_over(share),
+            Self::ThrusterStuck { which } => thrusters(which, &|thruster| thruster.stuck = stuck(None)),
+            Self::ThrusterWeak { which, share } => {
+                thrusters(which, &|thruster| thruster.share = left_over(share));
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// What of a boat with or without twin thrusters the fault needs and the boat lacks.

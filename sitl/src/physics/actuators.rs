@@ -105,7 +105,7 @@ pub fn step(
         Propulsion::PropellerRudder(drive) => {
             let (throttle, steering_rad) = step_steered(drive, state, command, dt_s);
             let thrust_n = propeller_thrust_n(drive, throttle);
-            let force = foil_force(drive, steering_rad, thrust_n, u_r_mps);
+            let force = foil_force(drive, steering_rad.sin_cos(), thrust_n, u_r_mps);
             let force = BodyForce { surge_n: force.surge_n + thrust_n, ..force };
             (ActuatorState::ThrottleSteering { throttle, steering_rad }, force)
         }
@@ -118,7 +118,7 @@ pub fn step(
                 sway_n: -thrust_n * sin,
                 yaw_nm: drive.arm_m * thrust_n * sin,
             };
-            let force = vectored + foil_force(drive, steering_rad, thrust_n, u_r_mps);
+            let force = vectored + foil_force(drive, (sin, cos), thrust_n, u_r_mps);
             (ActuatorState::ThrottleSteering { throttle, steering_rad }, force)
         }
     }
@@ -185,10 +185,9 @@ fn propeller_thrust_n(drive: &SteeredDrive, throttle: f64) -> f64 {
 /// Normal force of a rudder (or of an outboard's leg) F_N = ½ρA f_α U_R² sin δ, resolved into drag, side force
 /// and yaw moment about midship (Fossen 2021, §9.5). The squared inflow speed is that of the advance ahead
 /// plus what the propeller adds; astern, neither reaches the foil and it does nothing.
-fn foil_force(drive: &SteeredDrive, steering_rad: f64, thrust_n: f64, u_r_mps: f64) -> BodyForce {
+fn foil_force(drive: &SteeredDrive, (sin, cos): (f64, f64), thrust_n: f64, u_r_mps: f64) -> BodyForce {
     let advance_mps = u_r_mps.max(0.0);
     let inflow_m2ps2 = advance_mps * advance_mps + drive.slipstream_m2ps2_per_n * thrust_n.max(0.0);
-    let (sin, cos) = steering_rad.sin_cos();
     let normal_n = drive.foil_n_per_mps2 * inflow_m2ps2 * sin;
     BodyForce { surge_n: -normal_n * sin, sway_n: -normal_n * cos, yaw_nm: drive.arm_m * normal_n * cos }
 }

@@ -1,5 +1,6 @@
 //! The sea at work: how current, gusts and wave drift vary, and what they do to the hull.
 
+use super::angles::{turned, unit};
 use super::dynamics::{BodyForce, NedVector, State};
 use super::hull::{Hull, HullDynamics, WindLoads};
 use super::random::{GaussMarkov, Source, Stream};
@@ -88,10 +89,10 @@ impl Environment {
         self.sea = *sea;
     }
 
-    /// Advances by `dt_s` and returns what acts on a hull in this state.
-    pub fn step(&mut self, dt_s: f64, hull: &State) -> Conditions {
+    /// Advances by `dt_s` and returns what acts on a hull in this state, whose bow points along the unit vector
+    /// `bow`.
+    pub fn step(&mut self, dt_s: f64, hull: &State, bow: NedVector) -> Conditions {
         let mut conditions = Conditions::default();
-        let bow = NedVector { north: hull.psi_rad.cos(), east: hull.psi_rad.sin() };
         if let Some(current) = &mut self.current {
             conditions.current_mps = current.step(dt_s);
         }
@@ -104,10 +105,7 @@ impl Environment {
         }
         if let Some(waves) = &mut self.waves {
             conditions.force = conditions.force + waves.drift(dt_s, bow);
-            let velocity_mps = NedVector {
-                north: hull.u_mps * bow.north - hull.v_mps * bow.east,
-                east: hull.u_mps * bow.east + hull.v_mps * bow.north,
-            };
+            let velocity_mps = NedVector::of_body(hull.u_mps, hull.v_mps, bow);
             conditions.wave_motion = waves.field.step(dt_s, bow, velocity_mps);
         }
         self.time_s += dt_s;
@@ -147,7 +145,9 @@ impl MovingCurrent {
         let speed = self.mean.variability * CURRENT_SPEED_WANDER.0 * self.speed.step(dt_s, &mut self.stream);
         let turn_deg =
             self.mean.variability * CURRENT_DIRECTION_WANDER.0 * self.direction.step(dt_s, &mut self.stream);
-        along(self.mean.toward_deg + turn_deg, (self.mean.speed_mps * (1.0 + speed)).max(0.0))
+        let share = (1.0 + speed).max(0.0);
+        let flow = turned(self.steady_mps, turn_deg.to_radians());
+        NedVector { north: share * flow.north, east: share * flow.east }
     }
 }
 
@@ -262,7 +262,7 @@ fn wind_force(
 ) -> BodyForce {
     let (forward, starboard) = wind_mps.in_body(bow);
     let (forward, starboard) = (forward - hull.u_mps, starboard - hull.v_mps);
-    let speed = forward.hypot(starboard);
+    let speed = (forward * forward + starboard * starboard).sqrt();
     let half_density = 0.5 * AIR_DENSITY_KGPM3;
     BodyForce {
         surge_n: half_density * loads.cx * loads.frontal_area_m2 * speed * forward,
@@ -273,8 +273,8 @@ fn wind_force(
 
 /// A vector of this length toward this bearing.
 fn along(toward_deg: f64, length: f64) -> NedVector {
-    let (sin, cos) = toward_deg.to_radians().sin_cos();
-    NedVector { north: length * cos, east: length * sin }
+    let direction = unit(toward_deg.to_radians());
+    NedVector { north: length * direction.north, east: length * direction.east }
 }
 
 #[cfg(test)]
@@ -305,7 +305,7 @@ mod tests {
         let sea = Sea { current: Some("0.3@30".parse().unwrap()), ..Sea::default() };
         let mut environment = Environment::new(&sea, &otter(), 1);
         for _ in 0..1000 {
-            let flow = environment.step(0.01, &State::default()).current_mps;
+            let flow = environment.step(0.01, &State::default(), unit(0.0)).current_mps;
             assert!((flow.north - 0.3 * 30f64.to_radians().cos()).abs() < 1e-15);
             assert!((flow.east - 0.15).abs() < 1e-15);
         }
@@ -316,7 +316,7 @@ mod tests {
         let sea = Sea { current: Some("0.4@0".parse().unwrap()), ..Sea::default() }.with_variability(1.0);
         let mut environment = Environment::new(&sea, &otter(), 4);
         let speeds: Vec<f64> = (0..400_000)
-            .map(|_| environment.step(1.0, &State::default()).current_mps)
+            .map(|_| environment.step(1.0, &State::default(), unit(0.0)).current_mps)
             .map(|flow| flow.north.hypot(flow.east))
             .collect();
         let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
@@ -331,7 +331,8 @@ mod tests {
         let sea = Sea { waves: Some(waves), ..Sea::default() };
         let mut environment = Environment::new(&sea, &otter(), 2);
         let count = 100_000;
-        let sum: f64 = (0..count).map(|_| environment.step(0.2, &State::default()).force.surge_n).sum();
+        let sum: f64 =
+            (0..count).map(|_| environment.step(0.2, &State::default(), unit(0.0)).force.surge_n).sum();
         let expected = 0.08 * 0.5 * 1025.0 * 9.81 * 2.0 * (0.35f64 / 4.0).powi(2);
         // Clipping the drift at zero raises its mean by less than 1 %.
         assert!((sum / count as f64 / expected - 1.0).abs() < 0.06, "{} {expected}", sum / count as f64);
@@ -342,7 +343,7 @@ mod tests {
         let force = |name: &str| {
             let hull = Hull::builtin(name).unwrap();
             let sea = Sea { push: Some(Push { share: 1.0 }), ..Sea::default() };
-            Environment::new(&sea, &hull, 1).step(0.0, &State::default()).force
+            Environment::new(&sea, &hull, 1).step(0.0, &State::default(), unit(0.0)).force
         };
         let ship = force("monohull38");
         assert!((ship.surge_n - 2.5e4).abs() < 1e-6, "{ship:?}");
@@ -355,7 +356,7 @@ mod tests {
     fn the_kinematic_boat_feels_current_only() {
         let motorboat = Hull::builtin("motorboat").unwrap();
         let sea = Sea::preset(SeaState::Moderate, &motorboat);
-        let conditions = Environment::new(&sea, &motorboat, 1).step(0.01, &State::default());
+        let conditions = Environment::new(&sea, &motorboat, 1).step(0.01, &State::default(), unit(0.0));
         assert_eq!(conditions.force, BodyForce::default());
         assert_eq!(conditions.wave_motion, WaveMotion::default());
         assert_ne!(conditions.current_mps, NedVector::default());

@@ -14,6 +14,7 @@
 //! 2nd edition, Wiley 2021, cited below as "Fossen 2021".
 
 pub mod actuators;
+mod angles;
 pub mod dynamics;
 pub mod environment;
 mod estimator;

@@ -2,7 +2,7 @@
 
 use super::STEP_S;
 use super::actuators::{self, ActuatorCommand, ActuatorState};
-use super::dynamics::{NedVector, State, step_maneuvering, step_motorboat, to_body, to_ned, wrap};
+use super::dynamics::{NedVector, State, step_maneuvering, step_motorboat, wrap};
 use super::environment::{Conditions, Environment};
 use super::faults::{FaultyBoat, VesselFaults};
 use super::hull::{Hull, HullDynamics};
@@ -57,6 +57,8 @@ pub struct Vessel {
     sees_waves: bool,
     time_s: f64,
     state: State,
+    /// Unit vector along the state's heading.
+    bow: NedVector,
     actuators: ActuatorState,
     conditions: Conditions,
     moored: bool,
@@ -75,10 +77,11 @@ impl Vessel {
         let berth =
             State { north_m: finite(pose.north_m), east_m: finite(pose.east_m), psi_rad, ..State::default() };
         // A step of no time asks the sea how things stand without moving it.
-        let conditions = environment.step(0.0, &berth);
-        let state = adrift(berth, conditions.current_mps);
+        let bow = berth.bow();
+        let conditions = environment.step(0.0, &berth, bow);
+        let state = adrift(berth, bow, conditions.current_mps);
         let sees_waves = !sensors.without_waves;
-        let motion = true_motion(&state, &seen(&conditions, sees_waves));
+        let motion = true_motion(&state, bow, &seen(&conditions, sees_waves));
         Vessel {
             sees_waves,
             sensors: Sensors::new(sensors, hull.length_m, seed, &motion),
@@ -87,6 +90,7 @@ impl Vessel {
             environment,
             time_s: 0.0,
             state,
+            bow,
             conditions,
             moored: false,
             faulty: FaultyBoat::default(),
@@ -101,6 +105,9 @@ impl Vessel {
         if dt_s.is_nan() || dt_s <= 0.0 {
             return;
         }
+        if dt_s <= LONGEST_STEP_S {
+            return self.advance(dt_s, command);
+        }
         let span_s = dt_s.min(LONGEST_SPAN_S);
         let count = (span_s / LONGEST_STEP_S - 1e-9).ceil().max(1.0);
         for _ in 0..count as u32 {
@@ -110,35 +117,37 @@ impl Vessel {
 
     fn advance(&mut self, dt_s: f64, command: ActuatorCommand) {
         let command = self.faulty.effective(&self.hull, command);
-        self.conditions = self.environment.step(dt_s, &self.state);
+        self.conditions = self.environment.step(dt_s, &self.state, self.bow);
         let current = self.conditions.current_mps;
         if self.moored {
             self.state = State { u_mps: 0.0, v_mps: 0.0, r_radps: 0.0, ..self.state };
         } else {
             self.state = match &self.hull.dynamics {
                 HullDynamics::Maneuvering(hull, propulsion) => {
-                    let (u_r_mps, _) = self.state.through_water_mps(current);
+                    let (u_r_mps, _) = self.state.through_water_mps(self.bow, current);
                     let (moved, thrust) = actuators::step(propulsion, self.actuators, command, u_r_mps, dt_s);
                     self.actuators = moved;
-                    step_maneuvering(hull, self.state, thrust + self.conditions.force, current, dt_s)
+                    let force = thrust + self.conditions.force;
+                    step_maneuvering(hull, self.state, self.bow, force, current, dt_s)
                 }
                 HullDynamics::Motorboat(boat) => {
                     let (throttle, steering) = command.throttle_steering();
                     let steering_rad = steering * boat.steering_limit_rad;
                     self.actuators = ActuatorState::ThrottleSteering { throttle, steering_rad };
-                    step_motorboat(boat, self.state, throttle, steering, current, dt_s)
+                    step_motorboat(boat, self.state, self.bow, throttle, steering, current, dt_s)
                 }
             };
+            self.bow = self.state.bow();
         }
         self.time_s += dt_s;
-        let motion = true_motion(&self.state, &seen(&self.conditions, self.sees_waves));
+        let motion = true_motion(&self.state, self.bow, &seen(&self.conditions, self.sees_waves));
         self.sensors.step(self.time_s, &motion, &self.faulty.faults);
     }
 
     /// Holds the boat at its place (true) or sets it adrift (false). Waves still move a moored boat.
     pub fn set_moored(&mut self, moored: bool) {
         if self.moored && !moored {
-            self.state = adrift(self.state, self.conditions.current_mps);
+            self.state = adrift(self.state, self.bow, self.conditions.current_mps);
             self.actuators = ActuatorState::at_rest(&self.hull.dynamics);
         }
         self.moored = moored;
@@ -168,7 +177,7 @@ impl Vessel {
     /// anew only where its mean has changed.
     pub fn set_sea(&mut self, sea: &Sea) {
         self.environment.change(sea, &self.hull, self.seed);
-        self.conditions = self.environment.step(0.0, &self.state);
+        self.conditions = self.environment.step(0.0, &self.state, self.bow);
     }
 
     /// What the flight controller knows. With perfect sensors new at every step, else at 50 Hz.
@@ -178,7 +187,7 @@ impl Vessel {
 
     /// What really happens.
     pub fn truth(&self) -> Truth {
-        let (u_r_mps, v_r_mps) = self.state.through_water_mps(self.conditions.current_mps);
+        let (u_r_mps, v_r_mps) = self.state.through_water_mps(self.bow, self.conditions.current_mps);
         Truth {
             time_s: self.time_s,
             hull: self.state,
@@ -203,8 +212,8 @@ impl Vessel {
 }
 
 /// The same place with no speed through the water.
-fn adrift(state: State, current: NedVector) -> State {
-    let (u_mps, v_mps) = to_body(state.psi_rad, current.north, current.east);
+fn adrift(state: State, bow: NedVector, current: NedVector) -> State {
+    let (u_mps, v_mps) = current.in_body(bow);
     State { u_mps, v_mps, r_radps: 0.0, ..state }
 }
 
@@ -214,16 +223,16 @@ fn seen(conditions: &Conditions, sees_waves: bool) -> WaveMotion {
 }
 
 /// Low-frequency and wave motion together: what the sensors feel.
-fn true_motion(state: &State, wave: &WaveMotion) -> TrueMotion {
-    let (north_mps, east_mps) = to_ned(state.psi_rad, state.u_mps, state.v_mps);
+fn true_motion(state: &State, bow: NedVector, wave: &WaveMotion) -> TrueMotion {
+    let velocity_mps = NedVector::of_body(state.u_mps, state.v_mps, bow);
     TrueMotion {
         north_m: state.north_m + wave.north_m,
         east_m: state.east_m + wave.east_m,
         psi_rad: wrap(state.psi_rad + wave.psi_rad),
         roll_rad: wave.roll_rad,
         pitch_rad: wave.pitch_rad,
-        north_mps: north_mps + wave.north_mps,
-        east_mps: east_mps + wave.east_mps,
+        north_mps: velocity_mps.north + wave.north_mps,
+        east_mps: velocity_mps.east + wave.east_mps,
         r_radps: state.r_radps + wave.r_radps,
     }
 }

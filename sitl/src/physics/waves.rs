@@ -5,6 +5,7 @@
 //! low-frequency motion).
 
 use super::GRAVITY_MPS2;
+use super::angles::{Pair, SMALL_ANGLE_RAD, small_sin_cos};
 use super::dynamics::NedVector;
 use super::hull::{Hull, WaveResponse};
 use super::random::Stream;
@@ -19,8 +20,8 @@ const BAND: (f64, f64) = (0.6, 3.0);
 const PEAK_ENHANCEMENT: f64 = 3.3;
 /// Yaw that a real, short-crested sea excites whatever the heading, as a share of that in quartering seas.
 const SHORT_CRESTED_YAW: f64 = 0.35;
-/// Below this angle a rotation by its series is exact to 1e-9, rad.
-const SMALL_ANGLE_RAD: f64 = 0.1;
+/// The sines go in pairs, which processors work on at once; the last of an odd number has one without height.
+const PAIRS: usize = COMPONENTS.div_ceil(2);
 
 /// Wave-frequency motion of the hull about its low-frequency position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -59,13 +60,40 @@ struct Component {
     sin: f64,
 }
 
+/// Two of them, figure by figure.
+#[derive(Debug, Clone, Copy)]
+struct TwoComponents {
+    amplitude_m: Pair,
+    felt_m: Pair,
+    omega_radps: Pair,
+    wavenumber_per_m: Pair,
+    cos: Pair,
+    sin: Pair,
+}
+
 /// The waves around one hull.
 #[derive(Debug, Clone)]
 pub(super) struct WaveField {
-    components: [Component; COMPONENTS],
+    pairs: [TwoComponents; PAIRS],
+    /// The highest frequency and its wavenumber.
+    highest: (f64, f64),
     response: WaveResponse,
     /// Unit vector the waves run along.
     toward: NedVector,
+}
+
+/// What the sines make together.
+#[derive(Clone, Copy, Default)]
+struct Sums<T> {
+    /// Elevation of the undisturbed water, m.
+    elevation: T,
+    /// Heave of the hull, m, and its rate, m/s.
+    heave: T,
+    heave_rate: T,
+    slope: T,
+    /// Shift along the waves, m, and its rate, m/s: water particles in deep water move on circles.
+    shift: T,
+    shift_rate: T,
 }
 
 impl WaveField {
@@ -73,9 +101,9 @@ impl WaveField {
         let (east, north) = (waves.from_deg + 180.0).to_radians().sin_cos();
         let peak_radps = TAU / waves.period_s;
         let width_radps = (BAND.1 - BAND.0) * peak_radps / COMPONENTS as f64;
-        let mut components = [Component::default(); COMPONENTS];
+        let mut components = [Component { cos: 1.0, ..Component::default() }; 2 * PAIRS];
         let mut energy = 0.0;
-        for (i, component) in components.iter_mut().enumerate() {
+        for (i, component) in components.iter_mut().take(COMPONENTS).enumerate() {
             let omega_radps = BAND.0 * peak_radps + (i as f64 + stream.uniform()) * width_radps;
             let (sin, cos) = (TAU * stream.uniform()).sin_cos();
             let wavenumber_per_m = omega_radps * omega_radps / GRAVITY_MPS2;
@@ -91,7 +119,13 @@ impl WaveField {
             let span = component.wavenumber_per_m * hull.length_m;
             component.felt_m = component.amplitude_m * (-span * span / 24.0).exp();
         }
-        WaveField { components, response, toward: NedVector { north, east } }
+        let highest = &components[COMPONENTS - 1];
+        WaveField {
+            pairs: std::array::from_fn(|i| TwoComponents::of(&components[2 * i], &components[2 * i + 1])),
+            highest: (highest.omega_radps, highest.wavenumber_per_m),
+            response,
+            toward: NedVector { north, east },
+        }
     }
 
     /// Advances by `dt_s` at the hull's velocity over ground and returns the motion of a hull whose bow points
@@ -100,20 +134,14 @@ impl WaveField {
     /// The phase of each sine turns at its frequency of encounter ω − k·U, U the speed along the waves.
     pub(super) fn step(&mut self, dt_s: f64, bow: NedVector, velocity_mps: NedVector) -> WaveMotion {
         let along_mps = velocity_mps.north * self.toward.north + velocity_mps.east * self.toward.east;
-        let (mut elevation, mut heave, mut slope) = (0.0, 0.0, 0.0);
-        let (mut shift, mut shift_rate, mut heave_rate) = (0.0, 0.0, 0.0);
-        for component in &mut self.components {
-            let encounter_radps = component.omega_radps - component.wavenumber_per_m * along_mps;
-            component.turn(encounter_radps * dt_s);
-            let (cos, sin, felt) = (component.cos, component.sin, component.felt_m);
-            elevation += component.amplitude_m * cos;
-            heave += felt * cos;
-            slope += felt * component.wavenumber_per_m * sin;
-            // Water particles in deep water move on circles: horizontally a·sin θ along the waves.
-            shift += felt * sin;
-            shift_rate += felt * encounter_radps * cos;
-            heave_rate -= felt * encounter_radps * sin;
+        let is_short = dt_s * (self.highest.0 + self.highest.1 * along_mps.abs()) < SMALL_ANGLE_RAD;
+        let mut sums = Sums::default();
+        for pair in &mut self.pairs {
+            let encounter_radps = pair.omega_radps - pair.wavenumber_per_m * Pair::both(along_mps);
+            pair.turn(encounter_radps * Pair::both(dt_s), is_short);
+            pair.add_to(&mut sums, encounter_radps);
         }
+        let Sums { elevation, heave, heave_rate, slope, shift, shift_rate } = sums.of_both();
         let (cos_mu, sin_mu) = self.toward.in_body(bow);
         let quartering = 2.0 * (sin_mu * cos_mu).abs();
         let yaw = self.response.yaw_rad_per_m * (SHORT_CRESTED_YAW + (1.0 - SHORT_CRESTED_YAW) * quartering);
@@ -137,22 +165,48 @@ impl WaveField {
     }
 }
 
-impl Component {
-    /// Turns the phasor by `angle_rad`. Steps are short, so the series does without the library's sine; the
-    /// last line keeps the phasor's length at one.
-    fn turn(&mut self, angle_rad: f64) {
-        let (sin, cos) = if angle_rad.abs() < SMALL_ANGLE_RAD {
-            let square = angle_rad * angle_rad;
-            let sin = angle_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
-            (sin, 1.0 - 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0)))
-        } else {
-            angle_rad.sin_cos()
-        };
-        let turned_cos = self.cos * cos - self.sin * sin;
-        let turned_sin = self.sin * cos + self.cos * sin;
-        let correction = 1.5 - 0.5 * (turned_cos * turned_cos + turned_sin * turned_sin);
-        self.cos = turned_cos * correction;
-        self.sin = turned_sin * correction;
+impl TwoComponents {
+    fn of(a: &Component, b: &Component) -> TwoComponents {
+        let pair = |figure: fn(&Component) -> f64| Pair([figure(a), figure(b)]);
+        TwoComponents {
+            amplitude_m: pair(|component| component.amplitude_m),
+            felt_m: pair(|component| component.felt_m),
+            omega_radps: pair(|component| component.omega_radps),
+            wavenumber_per_m: pair(|component| component.wavenumber_per_m),
+            cos: pair(|component| component.cos),
+            sin: pair(|component| component.sin),
+        }
+    }
+
+    /// Turns the phasors. Steps are short, so a series does without the library's sine.
+    #[inline]
+    fn turn(&mut self, angle_rad: Pair, is_short: bool) {
+        let (sin, cos) = if is_short { small_sin_cos(angle_rad) } else { angle_rad.sin_cos() };
+        (self.cos, self.sin) = (self.cos * cos - self.sin * sin, self.sin * cos + self.cos * sin);
+    }
+
+    #[inline]
+    fn add_to(&self, sums: &mut Sums<Pair>, encounter_radps: Pair) {
+        let (felt_cos, felt_sin) = (self.felt_m * self.cos, self.felt_m * self.sin);
+        sums.elevation = sums.elevation + self.amplitude_m * self.cos;
+        sums.heave = sums.heave + felt_cos;
+        sums.heave_rate = sums.heave_rate - encounter_radps * felt_sin;
+        sums.slope = sums.slope + self.wavenumber_per_m * felt_sin;
+        sums.shift = sums.shift + felt_sin;
+        sums.shift_rate = sums.shift_rate + encounter_radps * felt_cos;
+    }
+}
+
+impl Sums<Pair> {
+    fn of_both(self) -> Sums<f64> {
+        Sums {
+            elevation: self.elevation.sum(),
+            heave: self.heave.sum(),
+            heave_rate: self.heave_rate.sum(),
+            slope: self.slope.sum(),
+            shift: self.shift.sum(),
+            shift_rate: self.shift_rate.sum(),
+        }
     }
 }
 
@@ -230,8 +284,9 @@ mod tests {
         for _ in 0..360_000 {
             field.step(0.01, NORTH, NORTH);
         }
-        for component in field.components {
-            assert!((component.cos.hypot(component.sin) - 1.0).abs() < 1e-9);
+        for pair in field.pairs {
+            let length = pair.cos * pair.cos + pair.sin * pair.sin;
+            assert!(length.0.iter().all(|length| (length - 1.0).abs() < 1e-9));
         }
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use crate::autopilot::mode_number;
+use crate::autopilot::{mode_name, mode_number};
 
 /// How things stand, as far as expectations go.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -206,6 +206,20 @@ impl Expectation {
         }
     }
 
+    /// In words, if what it looks at is not the boat's motion.
+    pub(super) fn looks_at_the_autopilot(&self) -> Option<String> {
+        let of_the_boat = matches!(
+            self.quantity,
+            Quantity::Armed
+                | Quantity::North
+                | Quantity::East
+                | Quantity::DistanceHome
+                | Quantity::Speed
+                | Quantity::Heading
+        );
+        (!of_the_boat).then(|| format!("looks at {}", self.quantity))
+    }
+
     fn holds(&self, seen: &Observation) -> bool {
         match (&self.test, self.quantity.of(seen)) {
             (Test::Flag(wanted), Value::Flag(is)) => *wanted == is,
@@ -221,7 +235,10 @@ impl Expectation {
     fn in_words(&self, seen: &Observation) -> String {
         match self.quantity.of(seen) {
             Value::Flag(flag) => format!("{} was {flag}", self.quantity),
-            Value::Mode(number) => format!("mode was number {number}"),
+            Value::Mode(number) => match mode_name(number) {
+                Some(name) => format!("mode was {name}"),
+                None => format!("mode was number {number}, which has no name"),
+            },
             Value::Number(number) => format!("{} was {number:.2}", self.quantity),
         }
     }

@@ -10,13 +10,14 @@ mod play;
 
 use std::time::Duration;
 
+use crate::autopilot::mode_name;
 use crate::faults::Fault;
 use crate::physics::SeaState;
 use crate::physics::sea::{Current, Waves, Wind};
 
 pub use expectation::{Expectation, Observation, Verdict};
 pub use file::ScenarioError;
-pub(crate) use play::Play;
+pub(crate) use play::{Play, Stage};
 
 /// A scenario, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +78,7 @@ struct Event {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Happening {
+pub(crate) enum Happening {
     Fail(Fault),
     Repair(Fault),
     Sea(SeaState),
@@ -91,7 +92,9 @@ enum Happening {
 }
 
 /// The scenarios that come with helmlink, by name.
-const BUILTIN: [(&str, &str); 4] = [
+const BUILTIN: [(&str, &str); 6] = [
+    ("bad-link", include_str!("../../scenarios/bad-link.toml")),
+    ("freshening-wind", include_str!("../../scenarios/freshening-wind.toml")),
     ("gps-loss", include_str!("../../scenarios/gps-loss.toml")),
     ("lost-rudder", include_str!("../../scenarios/lost-rudder.toml")),
     ("rising-sea", include_str!("../../scenarios/rising-sea.toml")),
@@ -105,6 +108,27 @@ impl Scenario {
     /// [`ScenarioError`] with the key, its line and what would be allowed.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
         file::parse(text)
+    }
+
+    /// The first order that it gives the autopilot, in words: such a scenario wants the helm for itself. None if
+    /// it leaves the steering to others.
+    pub fn order(&self) -> Option<String> {
+        self.events.iter().find_map(|Event { at, what }| {
+            let order = match what {
+                Happening::Arm => "arms the boat".to_owned(),
+                Happening::Disarm => "disarms the boat".to_owned(),
+                Happening::Mode(number) => format!("orders mode {}", mode_name(*number)?),
+                _ => return None,
+            };
+            Some(format!("{order} at {} s", at.as_secs_f64()))
+        })
+    }
+
+    /// What in it only an autopilot of our own can do or tell, in words.
+    pub(crate) fn of_the_autopilot(&self) -> Option<String> {
+        let parameter = || self.parameters().next().map(|name| format!("sets the parameter {name}"));
+        let looks = || self.expectations.iter().find_map(Expectation::looks_at_the_autopilot);
+        self.order().or_else(parameter).or_else(looks)
     }
 
     /// Every fault that it injects.

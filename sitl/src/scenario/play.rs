@@ -4,9 +4,23 @@ use std::time::Duration;
 
 use super::{Event, Happening, Observation, Scenario, ScenarioClock, Verdict};
 use crate::Sitl;
+use crate::physics::{Hull, Sea};
+
+/// A boat that scenarios can be played with.
+pub(crate) trait Stage {
+    /// Simulated time since the start.
+    fn now(&self) -> Duration;
+    fn is_armed(&self) -> bool;
+    fn hull(&self) -> &Hull;
+    fn sea(&self) -> &Sea;
+    fn set_sea(&mut self, sea: Sea);
+    /// Anything but a change of the sea.
+    fn happen(&mut self, what: &Happening);
+    fn observe(&self) -> Observation;
+}
 
 /// A scenario with how far it is.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Play {
     scenario: Scenario,
     /// When its clock started.
@@ -36,7 +50,7 @@ impl Play {
     }
 
     /// One loop: what is due happens, and what can be judged is.
-    pub(crate) fn step(&mut self, boat: &mut Sitl) {
+    pub(crate) fn step(&mut self, boat: &mut impl Stage) {
         if self.over {
             return;
         }
@@ -58,7 +72,7 @@ impl Play {
     }
 
     /// There is nothing more to come: open expectations are decided by how things stand.
-    pub(crate) fn end(&mut self, boat: &Sitl) {
+    pub(crate) fn end(&mut self, boat: &impl Stage) {
         if !self.over {
             self.over = true;
             let now = self.started.map_or(Duration::ZERO, |started| boat.now().saturating_sub(started));
@@ -73,23 +87,56 @@ impl Play {
     }
 }
 
-fn happen(boat: &mut Sitl, what: &Happening) {
+fn happen(boat: &mut impl Stage, what: &Happening) {
     let mut sea = *boat.sea();
     match what {
-        Happening::Fail(fault) => boat.autopilot.put_fault(fault),
-        Happening::Repair(fault) => boat.autopilot.lift_fault(fault),
-        Happening::Sea(state) => sea = crate::physics::Sea::preset(*state, boat.hull()),
+        Happening::Sea(state) => sea = Sea::preset(*state, boat.hull()),
         Happening::Current(current) => sea.current = Some(*current),
         Happening::Wind(wind) => sea.wind = Some(*wind),
         Happening::Waves(waves) => sea.waves = Some(*waves),
-        Happening::Parameter { name, value } => boat.autopilot.set_known_parameter(name, *value),
-        Happening::Arm => {
-            boat.autopilot.arm(false);
-        }
-        Happening::Disarm => boat.autopilot.disarm(),
-        Happening::Mode(number) => boat.autopilot.order_mode(*number),
+        other => boat.happen(other),
     }
     if sea != *boat.sea() {
         boat.set_sea(sea);
+    }
+}
+
+impl Stage for Sitl {
+    fn now(&self) -> Duration {
+        self.now()
+    }
+
+    fn is_armed(&self) -> bool {
+        self.is_armed()
+    }
+
+    fn hull(&self) -> &Hull {
+        self.hull()
+    }
+
+    fn sea(&self) -> &Sea {
+        self.sea()
+    }
+
+    fn set_sea(&mut self, sea: Sea) {
+        self.set_sea(sea);
+    }
+
+    fn happen(&mut self, what: &Happening) {
+        match what {
+            Happening::Fail(fault) => self.autopilot.put_fault(fault),
+            Happening::Repair(fault) => self.autopilot.lift_fault(fault),
+            Happening::Parameter { name, value } => self.autopilot.set_known_parameter(name, *value),
+            Happening::Arm => {
+                self.autopilot.arm(false);
+            }
+            Happening::Disarm => self.autopilot.disarm(),
+            Happening::Mode(number) => self.autopilot.order_mode(*number),
+            Happening::Sea(_) | Happening::Current(_) | Happening::Wind(_) | Happening::Waves(_) => {}
+        }
+    }
+
+    fn observe(&self) -> Observation {
+        self.observe()
     }
 }

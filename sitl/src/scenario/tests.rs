@@ -40,6 +40,13 @@ fn every_scenario_that_comes_along_comes_out_as_it_says() {
 }
 
 #[test]
+fn orders_to_the_autopilot_are_told() {
+    let order = |name: &str| Scenario::from_toml(Scenario::builtin_text(name).unwrap()).unwrap().order();
+    assert_eq!(order("gps-loss").as_deref(), Some("orders mode GUIDED at 0 s"));
+    assert_eq!(order("bad-link"), None);
+}
+
+#[test]
 fn what_does_not_come_true_is_told() {
     let text = r#"
         name = "too much asked"
@@ -60,6 +67,7 @@ fn what_does_not_come_true_is_told() {
     let passed: Vec<_> = verdicts.iter().map(|verdict| verdict.passed).collect();
     assert_eq!(passed, [Some(false), Some(true), Some(false)]);
     assert!(verdicts[0].seen.contains("speed_mps was"), "{}", verdicts[0].seen);
+    assert!(verdicts[2].seen.starts_with("mode was LOITER at"), "{}", verdicts[2].seen);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 use std::time::Duration;
 
+use helmlink_wire::dialect::{ATTITUDE_DATA, COMMAND_ACK_DATA, Message};
+use helmlink_wire::{Encoder, Framer, Identity};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 
@@ -111,6 +113,41 @@ async fn a_client_that_never_reads_loses_writes_and_holds_up_nobody() {
     }
     drop(deaf_stream);
     assert_eq!(down(&mut hub).await.0, deaf);
+}
+
+fn ten_of(message: &Message) -> Vec<u8> {
+    let (mut encoder, mut bytes) = (Encoder::new(), Vec::new());
+    (0..10).for_each(|_| encoder.encode(Identity { system: 1, component: 1 }, message, &mut bytes));
+    bytes
+}
+
+/// Writes until so many writes have been lost.
+async fn flood(hub: &Hub, link: LinkId, write: &[u8], lost_writes: u64) {
+    while hub.traffic(link).unwrap().lost_writes < lost_writes {
+        assert!(hub.send(link, write));
+        tokio::task::yield_now().await;
+    }
+}
+
+#[tokio::test]
+async fn a_client_that_reads_again_after_a_flood_finds_the_answer_to_its_question() {
+    let mut hub = hub_at("tcpin:127.0.0.1:0", LinkSettings::default()).await;
+    let (deaf, mut stream) = client_of(&mut hub).await;
+    let attitudes = ten_of(&Message::ATTITUDE(ATTITUDE_DATA { yawspeed: 1.0, ..ATTITUDE_DATA::DEFAULT }));
+    let answers =
+        ten_of(&Message::COMMAND_ACK(COMMAND_ACK_DATA { command: 400, ..COMMAND_ACK_DATA::DEFAULT }));
+    // What the system holds and the queue are full before the answers come, and the queue is renewed after them.
+    flood(&hub, deaf, &attitudes, 100).await;
+    assert!(hub.send(deaf, &answers));
+    flood(&hub, deaf, &attitudes, 2000).await;
+    let (mut framer, mut buffer, mut found) = (Framer::new(), vec![0; 65_536], 0);
+    while found < 10 {
+        let count = within("the answers", stream.read(&mut buffer)).await.unwrap();
+        framer.push(&buffer[..count]);
+        while let Some(frame) = framer.next_frame() {
+            found += u32::from(frame.message_id() == 77);
+        }
+    }
 }
 
 #[tokio::test]

@@ -28,13 +28,13 @@
 mod key;
 mod timestamp;
 
-use mavlink_core::calculate_crc;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 pub use key::{KeyError, SigningKey};
 pub use timestamp::Timestamp;
 
+use crate::checksum::checksum;
 use crate::dialect::{MessageData, RADIO_STATUS_DATA, SETUP_SIGNING_DATA};
 use crate::frame::{Frame, Identity};
 use crate::layout::{CHECKSUM_LENGTH, FLAG_SIGNED, MARKER_V2, MAX_FRAME, SIGNATURE_LENGTH};
@@ -222,9 +222,9 @@ fn mark_as_signed(frame: &mut [u8]) {
     let zeroes = [0; MAX_FRAME - SIGNATURE_LENGTH];
     let mut change = zeroes;
     change[FLAGS_AT] = FLAG_SIGNED;
-    let effect = calculate_crc(&change[1..end], 0) ^ calculate_crc(&zeroes[1..end], 0);
-    let checksum = u16::from_le_bytes([frame[end], frame[end + 1]]) ^ effect;
-    frame[end..].copy_from_slice(&checksum.to_le_bytes());
+    let effect = checksum(&change[1..end], 0) ^ checksum(&zeroes[1..end], 0);
+    let changed = u16::from_le_bytes([frame[end], frame[end + 1]]) ^ effect;
+    frame[end..].copy_from_slice(&changed.to_le_bytes());
 }
 
 impl SigningKey {

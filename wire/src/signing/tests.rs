@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use mavlink_core::calculate_crc;
 use proptest::prelude::*;
 
 use super::*;
