@@ -11,6 +11,25 @@ use super::trial;
 use crate::control::Boat;
 use crate::control::boat::derived::Particulars;
 
+/// The controller's boat: one that comes with Helmlink by its name, or a boat file.
+///
+/// # Errors
+/// A file that cannot be read or used, or a name that is none.
+pub(super) fn load(boat: &str) -> Result<Boat, Failure> {
+    if !is_file(boat) {
+        return Boat::embedded(boat).map_err(|error| {
+            Failure::usage(format!("--boat: {error}, or give a boat file as `helmlink boat` writes it"))
+        });
+    }
+    let text = trial::read(std::path::Path::new(boat), "--boat")?;
+    Boat::from_toml(&text).map_err(|error| Failure::usage(format!("--boat {boat}: {error}")))
+}
+
+/// Whether this is meant to be the name of a file rather than of a boat.
+pub(super) fn is_file(boat: &str) -> bool {
+    boat.contains(['.', '/', '\\'])
+}
+
 /// `helmlink boat`.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "\

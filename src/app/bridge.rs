@@ -21,6 +21,7 @@ use self::links::LinkArgs;
 use self::memory::Memory;
 use self::operation::{Operation, OperationArgs};
 use self::signing::SigningStore;
+use super::boat;
 use super::cli::Common;
 use super::console;
 use super::edge::{self, Edge, Seen, unless_it_panics};
@@ -32,7 +33,6 @@ use super::ranges::{self, number_in};
 use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
 use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
-use crate::control::Boat;
 use crate::link::LinkUrl;
 use crate::pilot::failsafe::{FailsafeOption, FailsafeSettings};
 use crate::pilot::supervisor::{Request, State};
@@ -65,7 +65,7 @@ pub struct BridgeArgs {
         value_name = "rc-override|manual-control|guided|guided-velocity"
     )]
     pub output: OutputKind,
-    /// The boat that the controller is tuned for
+    /// The boat that the controller is tuned for: a name, or a boat file as `helmlink boat` writes it
     #[arg(long, default_value = "otter", value_parser = ranges::boat)]
     pub boat: String,
     /// Speed over ground, m/s; the mission's own, or the vehicle's WP_SPEED, if not given
@@ -166,7 +166,7 @@ fn remember(
 
 /// The settings that the options ask for.
 fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
-    let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
+    let boat = boat::load(&args.boat)?;
     let speed_range = LEAST_SPEED_MPS..=boat.limits.speed_max_mps;
     if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
         return Err(Failure::usage(format!(

@@ -13,7 +13,7 @@ use super::mission;
 use super::result::{RunResult, Subject};
 use super::trial::{self, TrialArgs};
 use super::world::{World, WorldArgs};
-use crate::control::Controller;
+use crate::control::{Controller, Variant};
 use crate::report::{self, ComparedTrack};
 use crate::simulation::comparison::{Cell, Metric, Verdict, cells, verdict};
 use crate::simulation::{Outcome, Perturbation, Scenario, Trial, parallel};
@@ -26,6 +26,13 @@ Examples:
   helmlink compare mission/plans/fossen-otter.waypoints --perturbations grid --csv runs.csv --svg tracks.svg
   helmlink compare mission/plans/arcs-otter.waypoints --speed 1.5 --turn-radius 13 --scenarios i,ii,iii,iv
 
+  helmlink compare mission/plans/fossen-otter.waypoints --speed 1.38 --seas calm --sensors perfect --seeds 1 \
+      --currents 0,0.3,0.5 --perturbations nominal,mass*0.5,mass*1.5 --controllers pi-smc --metric settled
+  helmlink compare mission/plans/arcs-otter.waypoints --scenarios iv --controllers pi-smc,pi-smc-predictor,pid+observer
+
+Parts can be taken from a controller or given to it: - or + and observer, predictor, current (its estimate),
+feed-forward or adaptation, behind its name. That shows what they are worth.
+
 Every controller meets the same seas: run n of each has the same seed. The mark in front of a row says how the
 first controller of the list does there: + strictly better than every other one (95 % confidence, paired by
 seed), = no worse than any, - worse than at least one. A run that does not complete its mission counts
@@ -33,12 +40,17 @@ with at least five lengths of the boat.")]
 pub struct CompareArgs {
     /// The mission file (.waypoints or .plan)
     pub mission: PathBuf,
-    /// Controllers, comma separated; the first one is judged against the others
+    /// Controllers, comma separated; the first one is judged against the others. With parts left out or added, such
+    /// as pi-smc-predictor or pid+observer
     #[arg(long, default_value = "pi-smc,pi-smc-paper,pid,ilos-pid,alos-pid,sign-smc", value_name = "LIST")]
     pub controllers: String,
     /// Named seas, comma separated; takes the place of --sea
     #[arg(long, default_value = "calm,moderate", value_name = "LIST")]
     pub seas: String,
+    /// Steady currents, comma separated, each in every sea: SPEED@TOWARD (m/s, degrees), or SPEED alone for all of
+    /// eight directions; takes the place of --current
+    #[arg(long, value_name = "LIST", conflicts_with = "scenarios")]
+    pub currents: Option<String>,
     /// Named scenarios (i, ii, iii, iv, iv-exact-gps), comma separated: take the place of seas, sensors and delay
     #[arg(long, value_name = "LIST")]
     pub scenarios: Option<String>,
@@ -48,8 +60,9 @@ pub struct CompareArgs {
     /// How many seeds
     #[arg(long, default_value_t = 10, value_name = "N")]
     pub seeds: u64,
-    /// The error that is compared: whole, settled, straight (against the legs) or path (the smooth path)
-    #[arg(long, default_value = "path", value_name = "whole|settled|straight|path")]
+    /// What is compared: the error against the legs (whole, settled, straight) or against the smooth path (path,
+    /// path-straight), or how far the flight controller's own position is off, across the path (navigation)
+    #[arg(long, default_value = "path", value_name = "METRIC")]
     pub metric: Metric,
     /// Threads; as many as the machine has, if not given. The result does not depend on it
     #[arg(long, value_name = "N")]
@@ -94,6 +107,7 @@ struct Entry {
     trial: Trial,
     sea: String,
     sensors: String,
+    controller: String,
     perturbation: Perturbation,
 }
 
@@ -153,7 +167,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
 
 /// Every run, in the order condition, perturbation, controller, seed.
 fn entries(args: &CompareArgs) -> Result<Vec<Entry>, Failure> {
-    let controllers: Vec<Controller> = trial::list(&args.controllers)?;
+    let controllers: Vec<Variant> = trial::list(&args.controllers)?;
     if args.seeds == 0 {
         return Err(Failure::usage("--seeds 0: at least one run of each is needed"));
     }
@@ -164,12 +178,13 @@ fn entries(args: &CompareArgs) -> Result<Vec<Entry>, Failure> {
     let mut entries = Vec::new();
     for (nominal, sea, sensors) in conditions(args)? {
         for &perturbation in &perturbations {
-            for &controller in &controllers {
+            for variant in &controllers {
                 for seed in args.world.seed..args.world.seed + args.seeds {
-                    let mut trial = Trial { controller, seed, ..nominal.clone() };
+                    let mut trial = Trial { controller: variant.controller, seed, ..nominal.clone() };
+                    trial.boat.parts = variant.parts;
                     perturbation.apply(&mut trial);
-                    let (sea, sensors) = (sea.clone(), sensors.clone());
-                    entries.push(Entry { trial, sea, sensors, perturbation });
+                    let (sea, sensors, controller) = (sea.clone(), sensors.clone(), variant.to_string());
+                    entries.push(Entry { trial, sea, sensors, controller, perturbation });
                 }
             }
         }
@@ -193,12 +208,32 @@ fn conditions(args: &CompareArgs) -> Result<Vec<(Trial, String, String)>, Failur
             })
             .collect());
     }
-    args.seas
-        .split(',')
-        .map(|sea| {
-            let world = World::from_args(&WorldArgs { sea: sea.trim().to_owned(), ..args.world.clone() })?;
+    let currents = args.currents.as_deref().map_or(vec![args.world.current.clone()], currents);
+    let mut conditions = Vec::new();
+    for sea in args.seas.split(',') {
+        for current in &currents {
+            let (sea, current) = (sea.trim().to_owned(), current.clone());
+            let world = World::from_args(&WorldArgs { sea, current, ..args.world.clone() })?;
             let nominal = args.trial.trial(Controller::PiSmc, &world, &drivable)?;
-            Ok((nominal, world.sea_text, world.sensors_text))
+            conditions.push((nominal, world.sea_text, world.sensors_text));
+        }
+    }
+    Ok(conditions)
+}
+
+/// The currents of a list; a speed alone stands for that speed toward each of eight directions.
+fn currents(text: &str) -> Vec<Option<String>> {
+    const DIRECTIONS: usize = 8;
+    let every_way = |speed: &str| -> Vec<Option<String>> {
+        let turn_deg = 360 / DIRECTIONS;
+        (0..DIRECTIONS).map(|number| Some(format!("{speed}@{}", number * turn_deg))).collect()
+    };
+    text.split(',')
+        .map(str::trim)
+        .flat_map(|item| match item.parse::<f64>() {
+            Ok(0.0) => vec![None],
+            Ok(_) => every_way(item),
+            Err(_) => vec![Some(item.to_owned())],
         })
         .collect()
 }
@@ -210,7 +245,7 @@ fn subject<'a>(entry: &'a Entry, mission: &str, args: &CompareArgs) -> Subject<'
         sea: &entry.sea,
         sensors: &entry.sensors,
         seed: entry.trial.seed,
-        controller: entry.trial.controller.as_str(),
+        controller: entry.controller.clone(),
         output: args.trial.output.as_str(),
     }
 }
@@ -235,10 +270,10 @@ fn summarise(args: &CompareArgs, entries: &[Entry], results: &[RunResult]) -> Ve
         .map(|(entries, results)| {
             let first = &entries[0];
             let failed_m = 5.0 * first.trial.hull.length_m;
-            let runs: Vec<(Controller, Vec<&RunResult>)> = entries
+            let runs: Vec<(String, Vec<&RunResult>)> = entries
                 .chunks(per_controller)
                 .zip(results.chunks(per_controller))
-                .map(|(entries, results)| (entries[0].trial.controller, results.iter().collect()))
+                .map(|(entries, results)| (entries[0].controller.clone(), results.iter().collect()))
                 .collect();
             let figures = runs.into_iter().map(|(controller, results)| {
                 let errors = results
@@ -260,22 +295,23 @@ fn summarise(args: &CompareArgs, entries: &[Entry], results: &[RunResult]) -> Ve
 fn table(metric: Metric, cells: &[Cell], verdict: &Verdict) -> String {
     let mut lines = Vec::new();
     let names: Vec<&str> =
-        cells.first().map_or(Vec::new(), |cell| cell.columns.iter().map(|c| c.controller).collect());
+        cells.first().map_or(Vec::new(), |cell| cell.columns.iter().map(|c| c.controller.as_str()).collect());
     let width = cells.iter().map(|cell| cell.name().chars().count()).max().unwrap_or(0).max(12);
+    let column = names.iter().map(|name| name.len()).max().unwrap_or(0).max(16);
     let head = |title: &str| {
         let mut line = format!("  {title:<width$}");
         for name in &names {
-            line.push_str(&format!("  {name:>16}"));
+            line.push_str(&format!("  {name:>column$}"));
         }
         line
     };
     lines.push(head(&format!("{metric}, m rms")));
     for cell in cells {
         let mut line = format!("{} {:<width$}", cell.mark(), cell.name());
-        for column in &cell.columns {
-            let missing = if column.completed == column.runs { ' ' } else { '!' };
-            let text = format!("{:.3} ± {:.3}{missing}", column.error_m.mean, column.error_m.half_width);
-            line.push_str(&format!("  {text:>16}"));
+        for figures in &cell.columns {
+            let missing = if figures.completed == figures.runs { ' ' } else { '!' };
+            let text = format!("{:.3} ± {:.3}{missing}", figures.error_m.mean, figures.error_m.half_width);
+            line.push_str(&format!("  {text:>column$}"));
         }
         lines.push(line);
     }
@@ -283,8 +319,8 @@ fn table(metric: Metric, cells: &[Cell], verdict: &Verdict) -> String {
     lines.push(head("steering per min"));
     for cell in cells {
         let mut line = format!("  {:<width$}", cell.name());
-        for column in &cell.columns {
-            line.push_str(&format!("  {:>16.1}", column.steering_per_min.mean));
+        for figures in &cell.columns {
+            line.push_str(&format!("  {:>column$.1}", figures.steering_per_min.mean));
         }
         lines.push(line);
     }
@@ -295,7 +331,7 @@ fn table(metric: Metric, cells: &[Cell], verdict: &Verdict) -> String {
 
 const CSV_HEAD: &str = "mission,boat,controller,sea,sensors,perturbation,seed,completed,duration_s,distance_m,\
     cross_track_rms_m,cross_track_settled_rms_m,cross_track_straight_rms_m,path_error_rms_m,path_error_max_m,\
-    speed_error_rms_mps,steering_variation_per_min,effort,commands_sha256\n";
+    path_error_straight_rms_m,navigation_error_rms_m,speed_error_rms_mps,steering_variation_per_min,effort,commands_sha256\n";
 
 fn csv<'a>(rows: impl Iterator<Item = Row<'a>>) -> String {
     let mut text = CSV_HEAD.to_owned();
@@ -317,7 +353,7 @@ fn picture(args: &CompareArgs, entries: &[Entry], mission: &str) -> Result<Strin
         run.run(entry.trial.limit());
         let (recorder, _) = run.into_recorder();
         let run = recorder.into_run();
-        tracks.push(ComparedTrack { name: entry.trial.controller.to_string(), track: run.track.clone() });
+        tracks.push(ComparedTrack { name: entry.controller.clone(), track: run.track.clone() });
         if ground.mission.is_empty() {
             ground = run;
         }

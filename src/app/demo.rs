@@ -175,7 +175,7 @@ impl Demo {
         }
         if simulated >= self.sampled + SAMPLE {
             self.sampled = simulated;
-            self.recorder.sample(simulated.as_secs_f64(), &self.boat.party.sitl.truth(), &self.bridge.party);
+            self.recorder.sample(simulated.as_secs_f64(), &self.boat.party.sitl, &self.bridge.party);
         }
         self.log.extend(self.bridge.party.take_journal());
     }

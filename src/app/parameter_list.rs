@@ -5,11 +5,11 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
+use super::boat;
 use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use crate::bridge::parameters::{PARAMETERS, Tunables};
-use crate::control::Boat;
 use crate::pilot::failsafe::FailsafeSettings;
 
 /// `helmlink config parameters`.
@@ -21,8 +21,8 @@ Example:
 Ground stations set them on component 191; no ground station shows the ranges of a companion's parameters by itself.
 A value out of range is refused with the reason, and the one in force is sent back.")]
 pub struct ParametersArgs {
-    /// The boat whose values and ranges are shown
-    #[arg(long, default_value = "otter", value_name = "NAME")]
+    /// The boat whose values and ranges are shown: a name, or a boat file
+    #[arg(long, default_value = "otter", value_name = "NAME|FILE")]
     pub boat: String,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -41,7 +41,7 @@ struct Row {
 }
 
 pub(super) fn run(args: &ParametersArgs) -> Result<(), Failure> {
-    let boat = Boat::embedded(&args.boat).map_err(Failure::usage)?;
+    let boat = boat::load(&args.boat)?;
     let rows = rows(&Tunables { boat, failsafes: FailsafeSettings::default(), speed_mps: 0.0 });
     if args.common.json {
         let said = serde_json::json!({ "boat": args.boat, "component": 191, "parameters": rows });
@@ -75,6 +75,7 @@ fn table(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::Boat;
 
     #[test]
     fn every_parameter_is_listed_with_its_range() {

@@ -17,9 +17,14 @@ pub(super) fn number_in(
     }
 }
 
-/// Reads the name of a boat that comes with helmlink.
+/// Reads the name of a boat that comes with helmlink, or of a boat file: [`super::boat::load`] looks into it.
 pub(super) fn boat(name: &str) -> Result<String, String> {
-    Boat::embedded(name).map(|_| name.to_owned()).map_err(|error| error.to_string())
+    if super::boat::is_file(name) {
+        return Ok(name.to_owned());
+    }
+    Boat::embedded(name)
+        .map(|_| name.to_owned())
+        .map_err(|error| format!("{error}, or give a boat file as `helmlink boat` writes it"))
 }
 
 #[cfg(test)]

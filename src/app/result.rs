@@ -17,7 +17,7 @@ use crate::simulation::{Outcome, RunRecorder};
 pub(super) struct RunResult {
     mission: String,
     boat: String,
-    controller: &'static str,
+    controller: String,
     output: &'static str,
     sea: String,
     sensors: String,
@@ -40,7 +40,7 @@ pub(super) struct Subject<'a> {
     pub(super) sea: &'a str,
     pub(super) sensors: &'a str,
     pub(super) seed: u64,
-    pub(super) controller: &'static str,
+    pub(super) controller: String,
     pub(super) output: &'static str,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Subject<'a> {
     pub(super) fn of(
         mission: String,
         world: &'a World,
-        controller: &'static str,
+        controller: impl Into<String>,
         output: &'static str,
     ) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl<'a> Subject<'a> {
             sea: &world.sea_text,
             sensors: &world.sensors_text,
             seed: world.seed,
-            controller,
+            controller: controller.into(),
             output,
         }
     }
@@ -69,7 +69,7 @@ impl RunResult {
         Self {
             mission: subject.mission.clone(),
             boat: subject.boat.to_owned(),
-            controller: subject.controller,
+            controller: subject.controller.clone(),
             output: subject.output,
             sea: subject.sea.to_owned(),
             sensors: subject.sensors.to_owned(),
@@ -92,11 +92,11 @@ impl RunResult {
     /// One line of a table of runs, in the order of [`super::compare`]'s heading.
     pub(super) fn csv_line(&self, perturbation: &str) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        let names = [&self.mission, &self.boat, self.controller, &self.sea, &self.sensors, perturbation]
+        let names = [&self.mission, &self.boat, &self.controller, &self.sea, &self.sensors, perturbation]
             .map(quoted)
             .join(",");
         let rms = |spread: Option<Spread>| spread.map_or(String::new(), |spread| spread.rms.to_string());
-        let figures = self.score.as_ref().map_or(",".repeat(10), |score| {
+        let figures = self.score.as_ref().map_or(",".repeat(12), |score| {
             [
                 score.duration_s.to_string(),
                 score.distance_m.to_string(),
@@ -105,6 +105,8 @@ impl RunResult {
                 rms(score.cross_track_straight_m),
                 rms(score.path_error_m),
                 score.path_error_m.map_or(String::new(), |spread| spread.max.to_string()),
+                rms(score.path_error_straight_m),
+                rms(score.navigation_error_m),
                 score.speed_error_mps.rms.to_string(),
                 score.steering_variation_per_min.to_string(),
                 score.effort.to_string(),
@@ -151,6 +153,8 @@ impl RunResult {
             rows.push(("cross-track, straight".to_owned(), spread(&score.cross_track_straight_m)));
             rows.push(("cross-track, settled".to_owned(), spread(&score.cross_track_settled_m)));
             rows.push(("off the smooth path".to_owned(), spread(&score.path_error_m)));
+            rows.push(("  where it is straight".to_owned(), spread(&score.path_error_straight_m)));
+            rows.push(("navigation error, across".to_owned(), spread(&score.navigation_error_m)));
             rows.push((
                 "steering variation".to_owned(),
                 format!("{:.2} per minute", score.steering_variation_per_min),

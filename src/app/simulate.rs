@@ -14,7 +14,7 @@ use super::result::{self, RunResult, Subject};
 use super::scenario;
 use super::trial::{self, TrialArgs};
 use super::world::{World, WorldArgs};
-use crate::control::Controller;
+use crate::control::Variant;
 use crate::simulation::{Perturbation, Scenario};
 
 /// `helmlink simulate`.
@@ -26,9 +26,10 @@ Example:
 pub struct SimulateArgs {
     /// The mission file (.waypoints or .plan)
     pub mission: PathBuf,
-    /// The controller: pi-smc, pi-smc-paper, pid, ilos-pid, alos-pid or sign-smc
+    /// The controller: pi-smc, pi-smc-paper, pid, ilos-pid, alos-pid or sign-smc; with parts of it left out or added as
+    /// for `helmlink compare`
     #[arg(long, default_value = "pi-smc", value_name = "NAME")]
-    pub controller: Controller,
+    pub controller: Variant,
     /// What differs from the model, such as mass*1.5, damping*0.5, actuators*0.5 or delay=0.5
     #[arg(long, default_value = "nominal", value_name = "WHAT")]
     pub perturbation: Perturbation,
@@ -70,13 +71,14 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let drivable = mission::load(&args.mission)?;
     let limit = Duration::try_from_secs_f64(args.limit)
         .map_err(|_| Failure::usage("--limit must be a positive number of seconds"))?;
-    let mut trial = args.trial.trial(args.controller, &world, &drivable)?;
+    let mut trial = args.trial.trial(args.controller.controller, &world, &drivable)?;
     if let Some(scenario) = named {
         trial::set_scenario(&mut trial, scenario);
         world.sea = trial.sea;
         world.sea_text = format!("scenario {}", scenario.as_str());
         world.sensors_text = "of the scenario".to_owned();
     }
+    trial.boat.parts = args.controller.parts;
     args.perturbation.apply(&mut trial);
     let mut run = trial.closed_loop().map_err(Failure::usage)?;
     for fault in &args.fault {
@@ -91,7 +93,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let outcome = run.run(limit);
     let wall_s = started.elapsed().as_secs_f64();
-    let subject = Subject::of(drivable.name, &world, args.controller.as_str(), args.trial.output.as_str());
+    let subject = Subject::of(drivable.name, &world, args.controller.to_string(), args.trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     run.sitl_mut().end_scenario();
     let verdicts = run.sitl().verdicts().to_vec();

@@ -47,7 +47,9 @@ impl TrialArgs {
         let mut boat = match &self.boat_file {
             Some(path) => Boat::from_toml(&read(path, "--boat-file")?)
                 .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?,
-            None => Boat::embedded(hull).map_err(Failure::usage)?,
+            None => Boat::embedded(hull).map_err(|error| {
+                Failure::usage(format!("{error}, or give the controller's boat with --boat-file"))
+            })?,
         };
         if let Some(path) = &self.gains {
             gains::apply(&mut boat, &read(path, "--gains")?)

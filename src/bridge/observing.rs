@@ -34,6 +34,8 @@ pub(super) struct Observer {
     pub(super) rival_told: bool,
     /// The limit passed at the last look.
     trip: Option<Trip>,
+    /// The last position, and what became of it: looked at several times before the next one comes.
+    fix: Option<(Position, PositionFix)>,
 }
 
 impl Observer {
@@ -48,15 +50,23 @@ impl Observer {
     pub(super) fn forget_vehicle(&mut self) {
         self.fence.forget();
         self.frame = None;
+        self.fix = None;
         self.last_step = None;
         self.output_refused = false;
     }
 
     fn fix(&mut self, position: Option<Stamped<Position>>) -> Option<PositionFix> {
         let position = position?.value;
+        if let Some((known, fix)) = self.fix
+            && known == position
+        {
+            return Some(fix);
+        }
         let frame = self.frame.get_or_insert_with(|| LocalFrame::new(position.place));
         let velocity = helmlink_mission::geodesy::NorthEast::new(position.north_mps, position.east_mps);
-        Some(PositionFix { boot_s: position.boot_s, place: frame.to_local(position.place), velocity })
+        let fix = PositionFix { boot_s: position.boot_s, place: frame.to_local(position.place), velocity };
+        self.fix = Some((position, fix));
+        Some(fix)
     }
 }
 

@@ -16,6 +16,7 @@ use crate::control::baselines::Baselines;
 use crate::control::gains;
 use crate::control::model::Hull;
 use crate::control::observer::ObserverSettings;
+use crate::control::parts::PartChanges;
 use crate::guidance::GuidanceSettings;
 
 /// Names and texts of the boats that come with Helmlink.
@@ -48,14 +49,16 @@ struct BoatFile {
     control: ControlSettings,
     /// Where they are not given they follow from the boat's own gains.
     baselines: Option<Baselines>,
+    #[serde(default)]
+    parts: PartChanges,
 }
 
 impl From<BoatFile> for Boat {
     fn from(file: BoatFile) -> Self {
-        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control, baselines } =
-            file;
+        let BoatFile { name, description, hull, actuators, limits, observer, guidance, control, .. } = file;
+        let (baselines, parts) = (file.baselines, file.parts);
         let baselines = baselines.unwrap_or_else(|| Baselines::matching(&guidance, &control));
-        Self { name, description, hull, actuators, limits, observer, guidance, control, baselines }
+        Self { name, description, hull, actuators, limits, observer, guidance, control, baselines, parts }
     }
 }
 
@@ -81,6 +84,9 @@ pub struct Boat {
     pub control: ControlSettings,
     /// Gains of the controllers it is compared with.
     pub baselines: Baselines,
+    /// Parts given to the controller or taken from it, to see what they are worth; none in a boat's file.
+    #[serde(skip_serializing_if = "PartChanges::is_none")]
+    pub parts: PartChanges,
 }
 
 /// Actuators of a boat.
@@ -127,6 +133,16 @@ pub struct ControlSettings {
     pub surge: AxisSettings,
     /// Yaw axis.
     pub yaw: AxisSettings,
+}
+
+impl ControlSettings {
+    /// The same law with its nominal parameters for ever and no disturbance bound.
+    #[must_use]
+    pub(super) fn without_adaptation(&self) -> Self {
+        let still =
+            |axis: &AxisSettings| AxisSettings { parameter_rate: 0.0, disturbance_rate: 0.0, ..axis.clone() };
+        Self { surge: still(&self.surge), yaw: still(&self.yaw), ..self.clone() }
+    }
 }
 
 /// Why a boat cannot be used.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::baselines::{Pid, SignSmc, SpeedPi};
-use super::boat::Boat;
+use super::boat::{Boat, ControlSettings};
 use super::law::Law;
 use super::pi_smc::PiSmc;
 use crate::guidance::{EndOfPath, Guidance, LineOfSight, Practical, ToVirtualShip};
@@ -45,6 +45,10 @@ pub(super) struct Equipment {
     pub(super) observes_state: bool,
     /// The state is predicted across a known delay.
     pub(super) predicts: bool,
+    /// The rate of the wanted heading reaches the law.
+    pub(super) feeds_forward: bool,
+    /// The law learns parameters and disturbance bounds, where it can.
+    pub(super) adapts: bool,
 }
 
 impl Controller {
@@ -72,14 +76,13 @@ impl Controller {
     }
 
     pub(super) fn equipment(self) -> Equipment {
-        match self {
-            Self::PiSmc => Equipment { observes_water: true, observes_state: true, predicts: true },
-            Self::Pid | Self::SignSmc => {
-                Equipment { observes_water: true, observes_state: false, predicts: false }
-            }
-            Self::PiSmcPaper | Self::IlosPid | Self::AlosPid => {
-                Equipment { observes_water: false, observes_state: false, predicts: false }
-            }
+        let is_ours = self == Self::PiSmc;
+        Equipment {
+            observes_water: matches!(self, Self::PiSmc | Self::Pid | Self::SignSmc),
+            observes_state: is_ours,
+            predicts: is_ours,
+            feeds_forward: true,
+            adapts: true,
         }
     }
 
@@ -107,9 +110,14 @@ impl Controller {
     pub(super) fn law(self, boat: &Boat) -> Box<dyn Law> {
         let pid = |heading, speed| Box::new(Pid::new(boat, heading, SpeedPi::new(speed)));
         let baselines = &boat.baselines;
+        let sliding = |control: &ControlSettings| {
+            let adapts = boat.parts.applied(self.equipment()).adapts;
+            let control = if adapts { control.clone() } else { control.without_adaptation() };
+            Box::new(PiSmc::with_gains(boat, &control))
+        };
         match self {
-            Self::PiSmc => Box::new(PiSmc::new(boat)),
-            Self::PiSmcPaper => Box::new(PiSmc::with_gains(boat, &baselines.pi_smc_paper.control)),
+            Self::PiSmc => sliding(&boat.control),
+            Self::PiSmcPaper => sliding(&baselines.pi_smc_paper.control),
             Self::Pid => pid(baselines.pid.heading.clone(), baselines.pid.speed.clone()),
             Self::IlosPid => pid(baselines.ilos_pid.heading.clone(), baselines.ilos_pid.speed.clone()),
             Self::AlosPid => pid(baselines.alos_pid.heading.clone(), baselines.alos_pid.speed.clone()),

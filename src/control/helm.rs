@@ -129,8 +129,9 @@ impl Helm {
     /// A controller by name.
     #[must_use]
     pub fn with_controller(boat: &Boat, controller: Controller, end: EndOfPath) -> Self {
+        let equipment = boat.parts.applied(controller.equipment());
         Self {
-            equipment: controller.equipment(),
+            equipment,
             guidance: controller.guidance(boat, end),
             law: controller.law(boat),
             hull: boat.hull.clone(),
@@ -139,7 +140,7 @@ impl Helm {
             allocator: Allocator::new(&boat.actuators, &boat.hull),
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
-            observer: controller.equipment().observes_state.then(|| Observer::new(boat.observer)),
+            observer: equipment.observes_state.then(|| Observer::new(boat.observer)),
             velocity_offset: VelocityOffset::default(),
             compass_offset: CompassOffset::default(),
             predictor: Predictor::default(),
@@ -265,7 +266,10 @@ impl Helm {
         let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
         let state = &state;
         let water = Water { sway_mps: motion.sway_mps, current };
-        let reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
+        let mut reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
+        if !self.equipment.feeds_forward {
+            reference.heading_rate_radps = 0.0;
+        }
         let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);

@@ -9,6 +9,7 @@
 //! | [`law`] | the seam where other laws plug in |
 //! | [`baselines`] | the laws it is compared with |
 //! | [`controller`] | controllers by name |
+//! | [`parts`] | what a controller is made of: parts to leave out or give, to see what they are worth |
 //! | [`gains`] | gains by name, and files of them |
 //! | [`filter`] | command filter |
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
@@ -33,6 +34,7 @@ pub mod helm;
 pub mod law;
 pub mod model;
 pub mod observer;
+pub mod parts;
 pub mod pi_smc;
 pub mod predictor;
 pub mod response;
@@ -48,4 +50,5 @@ pub use command::{Command, Wrench};
 pub use controller::Controller;
 pub use helm::{Diagnostics, Helm, HelmError, Output};
 pub use model::{Hull, SwayModel};
+pub use parts::Variant;
 pub use pi_smc::PiSmc;

@@ -176,7 +176,7 @@ impl Practical {
     /// What the path's curvature will add to the turn rate within the preview time, rad/s.
     fn preview_radps(&self, path: &helmlink_mission::path::Path, here: &Projection, foot_mps: f64) -> f64 {
         let ahead_m = foot_mps.max(0.0) * self.settings.preview_s;
-        let ahead = path.point(here.progress_m + ahead_m).curvature_radpm;
+        let ahead = path.direction(here.progress_m + ahead_m).curvature_radpm;
         (ahead - here.foot.curvature_radpm) * foot_mps
     }
 

@@ -5,7 +5,7 @@
 //! v² ≤ v_there² + 2 a·distance.
 
 use helmlink_mission::geodesy::NorthEast;
-use helmlink_mission::path::{Path, PathPoint};
+use helmlink_mission::path::{Path, PathDirection};
 
 use super::{EndOfPath, unit};
 use crate::control::Limits;
@@ -56,7 +56,7 @@ impl SpeedLimits {
         let mut allowed_squared = speed_mps * speed_mps;
         for sample in 0..SAMPLES {
             let ahead_m = sample as f64 * step_m;
-            let there = self.bend_speed_mps(&path.point(progress_m + ahead_m), current).min(speed_mps);
+            let there = self.bend_speed_mps(path.direction(progress_m + ahead_m), current).min(speed_mps);
             allowed_squared = allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
         }
         if end == EndOfPath::Stop {
@@ -72,7 +72,7 @@ impl SpeedLimits {
     /// A bend of curvature κ run at v turns the course at κ v. In a current w along the path the bow has to turn
     /// faster, at κ v²/(v − w): the current does not turn with the boat. Solved for the planned yaw rate; where a
     /// following current leaves no solution, 2w needs the least yaw rate.
-    fn bend_speed_mps(&self, place: &PathPoint, current: NorthEast) -> f64 {
+    fn bend_speed_mps(&self, place: PathDirection, current: NorthEast) -> f64 {
         let curvature = place.curvature_radpm.abs();
         if curvature <= 0.0 {
             return f64::INFINITY;

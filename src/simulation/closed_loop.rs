@@ -123,7 +123,7 @@ impl ClosedLoop {
             }
         }
         if self.loops.is_multiple_of(LOOPS_PER_SAMPLE) {
-            self.recorder.sample(self.now.as_secs_f64(), &self.sitl.truth(), &self.bridge);
+            self.recorder.sample(self.now.as_secs_f64(), &self.sitl, &self.bridge);
         }
     }
 

@@ -40,7 +40,7 @@ pub struct UnknownPerturbation(String);
 impl Perturbation {
     /// The grid of the comparison: mass and damping ±30 % and ±50 %, delay to 1 s, slow actuators, GPS noise,
     /// stronger current and wind, rates of control.
-    pub const GRID: [Self; 19] = [
+    pub const GRID: [Self; 20] = [
         Self::Nominal,
         Self::Mass(0.5),
         Self::Mass(0.7),
@@ -51,7 +51,7 @@ impl Perturbation {
         Self::Damping(1.3),
         Self::Damping(1.5),
         Self::Delay(0.2),
-        Self::Delay(0.4),
+        Self::Delay(0.5),
         Self::Delay(0.7),
         Self::Delay(1.0),
         Self::Actuators(0.5),
@@ -59,6 +59,7 @@ impl Perturbation {
         Self::Sea(1.4),
         Self::Rate(5.0),
         Self::Rate(10.0),
+        Self::Rate(20.0),
         Self::Rate(50.0),
     ];
 

@@ -1,7 +1,7 @@
 //! Watches a run of a simulated boat: figures, track and events.
 
 use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
-use helmlink_sitl::physics::Truth;
+use helmlink_sitl::Sitl;
 
 use super::score::{Sample, Score, Scorer};
 use crate::bridge::{Bridge, Event};
@@ -42,7 +42,7 @@ impl RunRecorder {
     }
 
     /// Looks at the boat; call it at even intervals of simulated time.
-    pub fn sample(&mut self, time_s: f64, truth: &Truth, bridge: &Bridge) {
+    pub fn sample(&mut self, time_s: f64, sitl: &Sitl, bridge: &Bridge) {
         let status = bridge.status();
         let Some(run) = bridge.run().filter(|_| status.state == State::Engaged) else { return };
         if self.waypoints.is_empty() {
@@ -51,16 +51,23 @@ impl RunRecorder {
         }
         self.note_path(run);
         let progress = run.progress();
+        let (truth, estimate) = (sitl.truth(), sitl.estimate());
         let hull = truth.hull;
         let local = NorthEast { north_m: hull.north_m, east_m: hull.east_m };
         let position = run.frame().to_local(self.sitl_frame.to_geodetic(local));
         let (north_mps, east_mps) = hull.velocity_ned_mps();
         let speed_mps = north_mps.hypot(east_mps);
         let reference = status.diagnostics.reference;
-        let path_error_m = run.path().map_or(0.0, |path| {
-            let foot_m = path.project(position, reference.progress_m);
-            path.cross_track_m(position, foot_m).abs()
-        });
+        let foot = run.path().map(|path| path.point(path.project(position, reference.progress_m)));
+        let across_m = |way: NorthEast| {
+            foot.map_or(0.0, |foot| NorthEast::from_polar(1.0, foot.heading_rad).cross(way).abs())
+        };
+        let path_error_m = foot.map_or(0.0, |foot| across_m(position - foot.position));
+        let wave = truth.wave_motion;
+        let navigated = NorthEast {
+            north_m: estimate.north_m - (hull.north_m + wave.north_m),
+            east_m: estimate.east_m - (hull.east_m + wave.east_m),
+        };
         self.track.push(TrackPoint {
             time_s,
             position,
@@ -81,6 +88,8 @@ impl RunRecorder {
                 speed_mps,
                 leg,
                 path_error_m,
+                path_is_straight: foot.is_some_and(|foot| foot.curvature_radpm == 0.0),
+                navigation_error_m: Some(across_m(navigated)),
                 wanted_speed_mps: progress.wanted_speed_mps,
                 steering: status.demand.steering,
                 throttle: status.demand.throttle,

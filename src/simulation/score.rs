@@ -38,6 +38,12 @@ pub struct Score {
     pub cross_track_straight_m: Option<Spread>,
     /// Distance to the smoothed path that the controller was given.
     pub path_error_m: Option<Spread>,
+    /// The same, where that path is straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_error_straight_m: Option<Spread>,
+    /// How far the flight controller's position is from the boat's own, waves included, across the path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub navigation_error_m: Option<Spread>,
     /// Root mean square of the difference between the speed over ground and the speed wanted, m/s.
     pub speed_error_mps: SpeedError,
     /// Total variation of the steering command (−1…1) per minute.
@@ -66,6 +72,11 @@ pub struct Sample {
     pub leg: usize,
     /// Distance to the smoothed path.
     pub path_error_m: f64,
+    /// That path is known to be straight here.
+    pub path_is_straight: bool,
+    /// Distance across the path from the boat, its wave motion included, to where the flight controller has it; known
+    /// in simulation only.
+    pub navigation_error_m: Option<f64>,
     /// The speed that the mission wants here.
     pub wanted_speed_mps: f64,
     /// The steering command in force, −1…1.
@@ -89,6 +100,8 @@ pub struct Scorer {
     settled: Errors,
     straight: Errors,
     path: Errors,
+    path_straight: Errors,
+    navigation: Errors,
 }
 
 impl Scorer {
@@ -107,6 +120,8 @@ impl Scorer {
             settled: Errors::default(),
             straight: Errors::default(),
             path: Errors::default(),
+            path_straight: Errors::default(),
+            navigation: Errors::default(),
         }
     }
 
@@ -117,10 +132,20 @@ impl Scorer {
         if self.seconds_on_leg(&sample) > SETTLED_AFTER_S {
             self.settled.push(error_m);
         }
-        if self.waypoints.iter().all(|waypoint| (*waypoint - sample.position).norm() > STRAIGHT_BEYOND_M) {
+        let is_beyond = |waypoint: &NorthEast| {
+            let way = *waypoint - sample.position;
+            way.dot(way) > STRAIGHT_BEYOND_M * STRAIGHT_BEYOND_M
+        };
+        if self.waypoints.iter().all(is_beyond) {
             self.straight.push(error_m);
         }
         self.path.push(sample.path_error_m);
+        if sample.path_is_straight {
+            self.path_straight.push(sample.path_error_m);
+        }
+        if let Some(error_m) = sample.navigation_error_m {
+            self.navigation.push(error_m);
+        }
         self.squared_effort += sample.throttle.powi(2) + sample.steering.powi(2);
         self.squared_speed_error += (sample.speed_mps - sample.wanted_speed_mps).powi(2);
         if let Some(last) = self.last {
@@ -145,6 +170,8 @@ impl Scorer {
             cross_track_settled_m: self.settled.spread(),
             cross_track_straight_m: self.straight.spread(),
             path_error_m: self.path.spread(),
+            path_error_straight_m: self.path_straight.spread(),
+            navigation_error_m: self.navigation.spread(),
             speed_error_mps: SpeedError { rms: (self.squared_speed_error / samples).sqrt() },
             steering_variation_per_min: self.steering_variation / (duration_s / 60.0).max(1.0 / 60.0),
             effort: self.squared_effort / samples,
@@ -254,6 +281,8 @@ mod tests {
             speed_mps: 1.0,
             leg,
             path_error_m: 0.0,
+            path_is_straight: true,
+            navigation_error_m: None,
             wanted_speed_mps: 1.5,
             steering,
             throttle: 0.5,

@@ -46,7 +46,7 @@ pub struct Attitude {
 }
 
 /// Position and velocity over ground.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {
     /// Vehicle time, seconds since boot.
     pub boot_s: f64,

@@ -42,6 +42,15 @@ pub struct PathPoint {
     pub curvature_radpm: f64,
 }
 
+/// Which way a path goes at one of its points; see [`PathPoint`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathDirection {
+    /// Course of the path, clockwise from north, not wrapped.
+    pub heading_rad: f64,
+    /// Curvature, rad/m, positive to starboard.
+    pub curvature_radpm: f64,
+}
+
 /// Why no path goes through some points.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PathError {
@@ -109,6 +118,14 @@ impl Path {
     pub fn point(&self, s_m: f64) -> PathPoint {
         let segment = &self.segments[self.segment_index(s_m)];
         segment.point(s_m - segment.start_s_m)
+    }
+
+    /// Course and curvature at arc length `s_m`, as [`Path::point`] gives them, without the place: much quicker in
+    /// a turn.
+    #[inline]
+    pub fn direction(&self, s_m: f64) -> PathDirection {
+        let segment = &self.segments[self.segment_index(s_m)];
+        segment.direction(s_m - segment.start_s_m)
     }
 
     /// Arc length abeam of point `index`: the middle of its turn. The last point's for a larger index.

@@ -1,6 +1,6 @@
 //! One piece of a path: straight, circular, or a clothoid into or out of a turn.
 
-use super::{PathPoint, clothoid};
+use super::{PathDirection, PathPoint, clothoid};
 use crate::geodesy::NorthEast;
 
 /// The shape of a segment.
@@ -89,6 +89,24 @@ impl Segment {
                     curvature_radpm: sharpness_radpm2 * back_m,
                 }
             }
+        }
+    }
+
+    /// Course and curvature `along_m` after the start, exactly those of [`Segment::point`].
+    #[inline]
+    pub(super) fn direction(&self, along_m: f64) -> PathDirection {
+        let turned_rad = match self.shape {
+            Shape::Line => 0.0,
+            Shape::Arc { curvature_radpm } => 2.0 * (0.5 * curvature_radpm * along_m),
+            Shape::Entry { sharpness_radpm2 } => 0.5 * sharpness_radpm2 * along_m * along_m,
+            Shape::Exit { sharpness_radpm2 } => {
+                let back_m = self.length_m - along_m;
+                -(0.5 * sharpness_radpm2 * back_m * back_m)
+            }
+        };
+        PathDirection {
+            heading_rad: self.anchor_heading_rad + turned_rad,
+            curvature_radpm: self.curvature_radpm(along_m),
         }
     }
 

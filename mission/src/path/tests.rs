@@ -178,6 +178,16 @@ proptest! {
     }
 
     #[test]
+    fn the_direction_is_that_of_the_point((path, _) in any_path(), share in -0.1..1.1) {
+        let s_m = share * path.length_m();
+        let (point, direction) = (path.point(s_m), path.direction(s_m));
+        prop_assert_eq!(
+            (direction.heading_rad, direction.curvature_radpm),
+            (point.heading_rad, point.curvature_radpm)
+        );
+    }
+
+    #[test]
     fn heading_and_curvature_are_the_derivatives((path, _) in any_path(), share in 0.0..1.0) {
         let s_m = share * path.length_m();
         let sharpest = path.corners().iter().map(|corner| 1.0 / corner.radius_m).fold(0.0, f64::max);

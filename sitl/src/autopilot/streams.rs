@@ -115,11 +115,63 @@ pub(super) fn is_known(message_id: u32) -> bool {
 pub(super) struct Streams {
     /// Interval by message id; zero for never.
     asked: BTreeMap<u32, Duration>,
+    timetable: Option<Timetable>,
+}
+
+/// When each message goes out next: what fifty loops a second would otherwise divide anew for every message.
+#[derive(Debug, Clone)]
+struct Timetable {
+    /// The revision of the parameters that it was made from.
+    revision: u64,
+    /// All up to here has gone out.
+    until_ns: u64,
+    /// When the first departure is due.
+    next_ns: u64,
+    departures: Vec<Departure>,
+}
+
+/// The next time that a message goes out.
+#[derive(Debug, Clone)]
+struct Departure {
+    id: u32,
+    period_ns: u64,
+    next_ns: u64,
+}
+
+impl Departure {
+    /// The first multiple of the period after `now_ns`.
+    fn after(id: u32, period_ns: u64, now_ns: u64) -> Self {
+        Self { id, period_ns, next_ns: (now_ns / period_ns + 1).saturating_mul(period_ns) }
+    }
+}
+
+impl Timetable {
+    fn first_ns(departures: &[Departure]) -> u64 {
+        departures.iter().map(|departure| departure.next_ns).min().unwrap_or(u64::MAX)
+    }
+
+    /// What goes out up to `now_ns`.
+    fn departing(&mut self, now_ns: u64) -> Vec<u32> {
+        self.until_ns = now_ns;
+        if now_ns < self.next_ns {
+            return Vec::new();
+        }
+        let mut due = Vec::new();
+        for departure in &mut self.departures {
+            if departure.next_ns <= now_ns {
+                due.push(departure.id);
+                *departure = Departure::after(departure.id, departure.period_ns, now_ns);
+            }
+        }
+        self.next_ns = Self::first_ns(&self.departures);
+        due
+    }
 }
 
 impl Streams {
     /// SET_MESSAGE_INTERVAL: an interval (shortened ones are capped), zero for never, `None` for the default.
     pub(super) fn set(&mut self, message_id: u32, interval: Option<Duration>) {
+        self.timetable = None;
         match interval {
             Some(interval) if interval.is_zero() => self.asked.insert(message_id, interval),
             Some(interval) => self.asked.insert(message_id, interval.max(SHORTEST_INTERVAL)),
@@ -161,14 +213,31 @@ impl Streams {
     }
 
     /// The messages to send between the loop at `before` (excluded) and the one at `now`, in order.
-    pub(super) fn due(&self, before: Duration, now: Duration, parameters: &Parameters) -> Vec<u32> {
-        let (before_ns, now_ns) = (nanoseconds(before), nanoseconds(now));
-        let is_due = |interval: Duration| {
-            let period_ns = nanoseconds(interval);
-            period_ns > 0 && now_ns / period_ns > before_ns / period_ns
-        };
-        let due = |&&(id, group): &&(u32, Group)| is_due(self.interval_in(group, id, parameters));
-        MESSAGES.iter().filter(due).map(|&(id, _)| id).collect()
+    pub(super) fn due(&mut self, before: Duration, now: Duration, parameters: &Parameters) -> Vec<u32> {
+        let (before_ns, now_ns, revision) = (nanoseconds(before), nanoseconds(now), parameters.revision());
+        let known = self.timetable.take();
+        let mut timetable = known
+            .filter(|timetable| timetable.revision == revision && timetable.until_ns == before_ns)
+            .unwrap_or_else(|| self.timetable_from(before_ns, parameters));
+        let due = timetable.departing(now_ns);
+        self.timetable = Some(timetable);
+        due
+    }
+
+    /// What goes out when, from `before_ns` (excluded) on.
+    fn timetable_from(&self, before_ns: u64, parameters: &Parameters) -> Timetable {
+        let periods = MESSAGES
+            .iter()
+            .map(|&(id, group)| (id, nanoseconds(self.interval_in(group, id, parameters))))
+            .filter(|&(_, period_ns)| period_ns > 0);
+        let departures: Vec<Departure> =
+            periods.map(|(id, period_ns)| Departure::after(id, period_ns, before_ns)).collect();
+        Timetable {
+            revision: parameters.revision(),
+            until_ns: before_ns,
+            next_ns: Timetable::first_ns(&departures),
+            departures,
+        }
     }
 }
 
@@ -183,7 +252,7 @@ mod tests {
     use super::*;
     use crate::autopilot::LOOP;
 
-    fn count(streams: &Streams, id: u32, seconds: u32) -> usize {
+    fn count(streams: &mut Streams, id: u32, seconds: u32) -> usize {
         let parameters = Parameters::new();
         let loops = seconds * 50;
         (1..=loops)
@@ -193,10 +262,10 @@ mod tests {
 
     #[test]
     fn defaults_are_one_per_second_and_on_demand_ones_are_silent() {
-        let streams = Streams::default();
-        assert_eq!(count(&streams, HEARTBEAT_DATA::ID, 10), 10);
-        assert_eq!(count(&streams, ATTITUDE_DATA::ID, 10), 10);
-        assert_eq!(count(&streams, HOME_POSITION_DATA::ID, 10), 0);
+        let mut streams = Streams::default();
+        assert_eq!(count(&mut streams, HEARTBEAT_DATA::ID, 10), 10);
+        assert_eq!(count(&mut streams, ATTITUDE_DATA::ID, 10), 10);
+        assert_eq!(count(&mut streams, HOME_POSITION_DATA::ID, 10), 0);
     }
 
     #[test]
@@ -205,7 +274,7 @@ mod tests {
         for (rate_hz, expected) in [(1, 10), (4, 40), (10, 100), (25, 250), (40, 400), (50, 400), (200, 400)]
         {
             streams.set(ATTITUDE_DATA::ID, Some(Duration::from_secs(1) / rate_hz));
-            assert_eq!(count(&streams, ATTITUDE_DATA::ID, 10), expected, "{rate_hz} Hz");
+            assert_eq!(count(&mut streams, ATTITUDE_DATA::ID, 10), expected, "{rate_hz} Hz");
         }
     }
 
@@ -213,14 +282,14 @@ mod tests {
     fn groups_change_together_and_can_be_stopped_and_reset() {
         let mut streams = Streams::default();
         streams.set_group(MAV_DATA_STREAM_POSITION, 5);
-        assert_eq!(count(&streams, GLOBAL_POSITION_INT_DATA::ID, 2), 10);
-        assert_eq!(count(&streams, LOCAL_POSITION_NED_DATA::ID, 2), 10);
-        assert_eq!(count(&streams, ATTITUDE_DATA::ID, 2), 2);
+        assert_eq!(count(&mut streams, GLOBAL_POSITION_INT_DATA::ID, 2), 10);
+        assert_eq!(count(&mut streams, LOCAL_POSITION_NED_DATA::ID, 2), 10);
+        assert_eq!(count(&mut streams, ATTITUDE_DATA::ID, 2), 2);
         streams.set_group(MAV_DATA_STREAM_ALL, 0);
-        assert_eq!(count(&streams, GLOBAL_POSITION_INT_DATA::ID, 2), 0);
-        assert_eq!(count(&streams, HEARTBEAT_DATA::ID, 2), 2);
+        assert_eq!(count(&mut streams, GLOBAL_POSITION_INT_DATA::ID, 2), 0);
+        assert_eq!(count(&mut streams, HEARTBEAT_DATA::ID, 2), 2);
         streams.set(GLOBAL_POSITION_INT_DATA::ID, None);
-        assert_eq!(count(&streams, GLOBAL_POSITION_INT_DATA::ID, 2), 2);
+        assert_eq!(count(&mut streams, GLOBAL_POSITION_INT_DATA::ID, 2), 2);
     }
 
     #[test]
@@ -239,13 +308,26 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_changed_parameter_or_a_restart_is_followed_at_once() {
+        let mut parameters = Parameters::new();
+        let mut streams = Streams::default();
+        let due = |streams: &mut Streams, parameters: &Parameters, number: u32| {
+            streams.due(LOOP * (number - 1), LOOP * number, parameters).contains(&ATTITUDE_DATA::ID)
+        };
+        assert_eq!((1..=50).filter(|&number| due(&mut streams, &parameters, number)).count(), 1);
+        parameters.put(SR0_EXTRA1, 10.0);
+        assert_eq!((51..=100).filter(|&number| due(&mut streams, &parameters, number)).count(), 10);
+        assert_eq!((1..=50).filter(|&number| due(&mut streams, &parameters, number)).count(), 10);
+    }
+
     proptest! {
         #[test]
         fn any_interval_gives_its_rate(interval_ms in 25u64..5000) {
             let mut streams = Streams::default();
             streams.set(ATTITUDE_DATA::ID, Some(Duration::from_millis(interval_ms)));
             let expected = 20_000 / interval_ms as usize;
-            let sent = count(&streams, ATTITUDE_DATA::ID, 20);
+            let sent = count(&mut streams, ATTITUDE_DATA::ID, 20);
             prop_assert!(sent.abs_diff(expected) <= 1, "{sent} instead of {expected}");
         }
     }

@@ -124,7 +124,7 @@ fn say_notes(notes: &[String]) {
 
 /// The boat, and the speed to drive at where the mission gives none.
 fn speed_and_boat(name: &str, speed_mps: Option<f64>) -> Result<(Boat, f64), Failure> {
-    let boat = Boat::embedded(name).map_err(Failure::usage)?;
+    let boat = super::boat::load(name)?;
     super::trial::check_speed(speed_mps, &boat)?;
     let speed_mps = speed_mps.unwrap_or(boat.limits.cruise_mps);
     Ok((boat, speed_mps))

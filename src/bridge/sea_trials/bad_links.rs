@@ -97,7 +97,7 @@ fn survey(spoil: impl FnOnce(&mut Rig)) -> (f64, bool) {
         rig.step();
         if step % 5 == 0 {
             let time_s = rig.now.as_secs_f64();
-            recorder.sample(time_s, &rig.sitl.truth(), rig.bridge.as_ref().unwrap());
+            recorder.sample(time_s, &rig.sitl, rig.bridge.as_ref().unwrap());
         }
         if rig.state() == State::Finished {
             break;

@@ -39,6 +39,8 @@ impl Marks {
             speed_mps: progress.speed_mps,
             leg,
             path_error_m,
+            path_is_straight: false,
+            navigation_error_m: None,
             wanted_speed_mps: progress.wanted_speed_mps,
             steering,
             throttle,

@@ -9,7 +9,7 @@ use crate::simulation::statistics::Mean;
 #[derive(Debug, Clone)]
 pub struct Column {
     /// Which controller.
-    pub controller: Controller,
+    pub controller: String,
     /// Error of every run, m.
     pub errors: Vec<f64>,
     /// Steering variation of every run, per minute.
@@ -22,7 +22,7 @@ pub struct Column {
 #[derive(Debug, Clone, Serialize)]
 pub struct Figures {
     /// Its name.
-    pub controller: &'static str,
+    pub controller: String,
     /// Error over the seeds, m.
     #[serde(serialize_with = "mean_as_pair")]
     pub error_m: Mean,
@@ -65,7 +65,7 @@ impl Cell {
         let figures: Vec<Figures> = columns
             .into_iter()
             .map(|column| Figures {
-                controller: column.controller.as_str(),
+                controller: column.controller,
                 error_m: Mean::of(&column.errors),
                 steering_per_min: Mean::of(&column.steering),
                 completed: column.completed,
@@ -100,7 +100,7 @@ impl Cell {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
     /// The controller that is judged.
-    pub controller: &'static str,
+    pub controller: String,
     /// Cells in all.
     pub cells: usize,
     /// Cells in which it is no worse than any other.
@@ -108,7 +108,9 @@ pub struct Verdict {
     /// Cells in which it is better than every other.
     pub better: usize,
     /// Mean error over all cells of every controller, m.
-    pub means_m: Vec<(&'static str, f64)>,
+    pub means_m: Vec<(String, f64)>,
+    /// The cell in which the judged controller has its largest error, m.
+    pub worst: Option<(String, f64)>,
     /// Largest ratio of its steering variation to that of `pid` in any cell.
     pub most_steering_of_pid: Option<f64>,
 }
@@ -116,22 +118,24 @@ pub struct Verdict {
 /// Judges the first controller over all cells.
 #[must_use]
 pub fn verdict(cells: &[Cell]) -> Verdict {
-    let names: Vec<&'static str> =
-        cells.first().map_or(Vec::new(), |cell| cell.columns.iter().map(|c| c.controller).collect());
+    let names: Vec<String> =
+        cells.first().map_or(Vec::new(), |cell| cell.columns.iter().map(|c| c.controller.clone()).collect());
     let mean = |column: usize| {
         let errors: Vec<f64> = cells.iter().map(|cell| cell.columns[column].error_m.mean).collect();
         Mean::of(&errors).mean
     };
-    let pid = names.iter().position(|name| *name == Controller::Pid.as_str()).filter(|index| *index > 0);
+    let pid = names.iter().position(|name| name == Controller::Pid.as_str()).filter(|index| *index > 0);
     let steering_ratio = |cell: &Cell, pid: usize| {
         cell.columns[0].steering_per_min.mean / cell.columns[pid].steering_per_min.mean.max(1e-9)
     };
+    let errors = cells.iter().filter_map(|cell| Some((cell.name(), cell.columns.first()?.error_m.mean)));
     Verdict {
-        controller: names.first().copied().unwrap_or_default(),
+        controller: names.first().cloned().unwrap_or_default(),
+        worst: errors.max_by(|(_, a), (_, b)| a.total_cmp(b)),
         cells: cells.len(),
         no_worse: cells.iter().filter(|cell| cell.no_worse).count(),
         better: cells.iter().filter(|cell| cell.better).count(),
-        means_m: names.iter().enumerate().map(|(column, name)| (*name, mean(column))).collect(),
+        means_m: names.iter().enumerate().map(|(column, name)| (name.clone(), mean(column))).collect(),
         most_steering_of_pid: pid
             .map(|pid| cells.iter().map(|cell| steering_ratio(cell, pid)).fold(0.0, f64::max)),
     }
@@ -151,6 +155,9 @@ impl Verdict {
             ),
             format!("mean over the cells, m: {}", means.join(", ")),
         ];
+        if let Some((cell, error_m)) = self.worst.as_ref().filter(|_| self.cells > 1) {
+            lines.push(format!("its largest error: {error_m:.3} in {cell}"));
+        }
         if let Some(ratio) = self.most_steering_of_pid {
             lines.push(format!("its steering is at most {ratio:.2} times that of pid in any cell"));
         }
@@ -163,8 +170,8 @@ mod tests {
     use super::*;
 
     fn cell(ours: [f64; 3], theirs: [f64; 3]) -> Cell {
-        let column = |controller, errors: [f64; 3]| Column {
-            controller,
+        let column = |controller: Controller, errors: [f64; 3]| Column {
+            controller: controller.to_string(),
             errors: errors.to_vec(),
             steering: vec![1.0; 3],
             completed: 3,

@@ -22,11 +22,17 @@ pub enum Metric {
     Straight,
     /// Distance to the smooth path that the controller was given.
     Path,
+    /// The same, where that path is straight.
+    #[serde(rename = "path-straight")]
+    PathStraight,
+    /// Not an error of control: how far the flight controller's position is from the boat's own, across the path.
+    Navigation,
 }
 
 impl Metric {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Whole, Self::Settled, Self::Straight, Self::Path];
+    pub const ALL: [Self; 6] =
+        [Self::Whole, Self::Settled, Self::Straight, Self::Path, Self::PathStraight, Self::Navigation];
 
     /// The name as it is typed.
     #[must_use]
@@ -36,6 +42,8 @@ impl Metric {
             Self::Settled => "settled",
             Self::Straight => "straight",
             Self::Path => "path",
+            Self::PathStraight => "path-straight",
+            Self::Navigation => "navigation",
         }
     }
 
@@ -47,6 +55,8 @@ impl Metric {
             Self::Settled => score.cross_track_settled_m,
             Self::Straight => score.cross_track_straight_m,
             Self::Path => score.path_error_m,
+            Self::PathStraight => score.path_error_straight_m,
+            Self::Navigation => score.navigation_error_m,
         });
         match (spread, completed) {
             (Some(spread), true) => spread.rms,
@@ -65,7 +75,10 @@ impl Metric {
 
 /// The text names no metric.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no error that can be compared: choose one of whole, settled, straight, path")]
+#[error(
+    "`{0}` is no error that can be compared: choose one of whole, settled, straight, path, \
+     path-straight, navigation"
+)]
 pub struct UnknownMetric(String);
 
 impl FromStr for Metric {
