@@ -165,7 +165,7 @@ impl<P: Party> Edge<P> {
             tokio::task::yield_now().await;
             for _ in 0..EVENTS_PER_TURN {
                 let Some(event) = self.hub.try_next_event() else { break };
-                seen = self.handle(event).or(seen);
+                seen = self.handle(self.start.elapsed(), event).or(seen);
             }
             self.tick_party();
             self.flush();
@@ -175,10 +175,10 @@ impl<P: Party> Edge<P> {
             biased;
             event = self.hub.next_event() => {
                 self.began = self.start.elapsed();
-                seen = self.handle(event);
+                seen = self.handle(self.began, event);
                 for _ in 1..EVENTS_PER_TURN {
                     let Some(event) = self.hub.try_next_event() else { break };
-                    seen = self.handle(event).or(seen);
+                    seen = self.handle(self.start.elapsed(), event).or(seen);
                 }
                 // A flood of events must not keep the party from its work.
                 if self.ticked.elapsed() >= self.tick && !self.is_crowded() {
@@ -235,8 +235,7 @@ impl<P: Party> Edge<P> {
         self.write.clear();
     }
 
-    fn handle(&mut self, event: LinkEvent) -> Option<Seen> {
-        let now = self.start.elapsed();
+    fn handle(&mut self, now: Duration, event: LinkEvent) -> Option<Seen> {
         match event {
             LinkEvent::Up { link, endpoint, peer } => {
                 self.party.link_up(now, link, endpoint);

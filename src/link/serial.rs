@@ -27,7 +27,8 @@ async fn stay_open(endpoint: Endpoint, device: String, baud: u32) {
     let mut backoff = Backoff::new(endpoint.settings.retry_first, endpoint.settings.retry_longest);
     let mut complaints = Complaints::default();
     loop {
-        let opened = path_of(&device).and_then(|path| Ok((SerialPort::open(&path, baud)?, path)));
+        let opened = path_of(&device, &endpoint.settings.usb)
+            .and_then(|path| Ok((SerialPort::open(&path, baud)?, path)));
         match opened {
             Ok((port, path)) => {
                 complaints.reset();
@@ -51,9 +52,9 @@ async fn stay_open(endpoint: Endpoint, device: String, baud: u32) {
 }
 
 /// Where the device is just now.
-fn path_of(device: &str) -> io::Result<PathBuf> {
+fn path_of(device: &str, places: &Places) -> io::Result<PathBuf> {
     match UsbDevice::parse(device) {
-        Some(usb) => usb.port(&Places::default()),
+        Some(usb) => usb.port(places),
         None => Ok(device.into()),
     }
 }

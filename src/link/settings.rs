@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::usb::Places;
+
 /// Bounds and waiting times of a [`Hub`](super::Hub). All times run on tokio's clock, which tests can pause.
 #[derive(Debug, Clone)]
 pub struct LinkSettings {
@@ -33,6 +35,8 @@ pub struct LinkSettings {
     pub retry_longest: Duration,
     /// Longest time that waiting bytes are still being written after the hub has been closed. Default 0.5 s.
     pub flush: Duration,
+    /// Where the system shows USB devices; elsewhere in tests.
+    pub(super) usb: Places,
 }
 
 impl Default for LinkSettings {
@@ -49,6 +53,7 @@ impl Default for LinkSettings {
             retry_first: Duration::from_millis(100),
             retry_longest: Duration::from_secs(5),
             flush: Duration::from_millis(500),
+            usb: Places::default(),
         }
     }
 }

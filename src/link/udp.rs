@@ -166,7 +166,9 @@ impl Remotes {
             self.add(remote);
         }
         if let Some(known) = self.known.get_mut(&remote) {
-            known.last_heard = Instant::now();
+            if self.only.is_none() {
+                known.last_heard = Instant::now();
+            }
             self.events.extend(known.peer.bytes(&self.buffer[..count], true));
         }
     }

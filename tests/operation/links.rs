@@ -6,7 +6,7 @@ use std::os::fd::OwnedFd;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use helmlink_wire::Encoder;
 use helmlink_wire::dialect::MessageSet;
@@ -14,9 +14,11 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use socket2::SockRef;
 
 use crate::support::correspondent::{BOAT, boat_heartbeat, frame};
+use crate::support::process::PATIENCE;
 use crate::support::{Correspondent, Folder, Helmlink};
 
 const FOUND: &str = "found the flight controller";
+const FOLLOWED: &str = "heard on another link: followed there";
 const LOST: &str = "the link to the flight controller went down";
 
 /// A boat's heartbeat as bytes.
@@ -64,9 +66,9 @@ fn a_cut_tcp_connection_is_made_again() {
 fn a_boat_that_comes_back_from_another_udp_port_is_found_there() {
     let bridge = Helmlink::start(&["bridge", "--connect", "udpin:127.0.0.1:0", "--wait", "0"]);
     let listen = format!("udpout:{}", bridge.wait_for_place());
-    for _ in 0..2 {
+    for said in [FOUND, FOLLOWED] {
         let _boat = Helmlink::start(&["sitl", "--listen", &listen]);
-        bridge.wait_for_line(FOUND);
+        bridge.wait_for_line(said);
     }
 }
 
@@ -96,11 +98,11 @@ fn a_flight_controller_that_goes_on_from_another_udp_port_is_followed_there() {
     old.hear_bridge("a question at the old port", |message| (message.message_id() != 0).then_some(()));
     // The old port stays silent from now on, and nothing tells the bridge so.
     let mut new = Correspondent::of(&place);
-    let mut found = false;
-    while !found {
+    let deadline = Instant::now() + PATIENCE;
+    while !bridge.printed().contains(FOLLOWED) {
+        assert!(Instant::now() < deadline, "not followed: {}", bridge.printed());
         new.say(BOAT, &boat_heartbeat());
         thread::sleep(HEARTBEAT_INTERVAL);
-        found = bridge.printed().matches(FOUND).count() == 2;
     }
     new.hear_bridge("a question at the new port", |message| (message.message_id() != 0).then_some(()));
 }

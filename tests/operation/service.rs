@@ -163,8 +163,17 @@ fn figures_are_served_on_this_machine_only() {
             break page;
         }
     };
-    for figure in ["helmlink_state{state=\"waiting-for-link\"} 1", "helmlink_control_steps_total 0"] {
-        assert!(page.contains(figure), "{page}");
+    for figure in [
+        "helmlink_state{state=\"waiting-for-link\"} 1",
+        "helmlink_engaged 0",
+        "helmlink_control_steps_total 0",
+        "helmlink_controller_errors_total 0",
+        "helmlink_failsafe_total{failsafe=\"link-lost\"} 0",
+        "helmlink_failsafe_total{failsafe=\"battery\"} 0",
+        "process_resident_memory_bytes ",
+        "process_cpu_seconds_total ",
+    ] {
+        assert!(page.contains(figure), "{figure}: {page}");
     }
     assert_well_formed(page.split_once("\r\n\r\n").unwrap().1);
 }
@@ -178,17 +187,42 @@ fn get(place: &str) -> String {
     page
 }
 
-/// Every figure belongs to a family that was announced, and is a number.
+/// By the rules of the text format: each family has one line of help, then one of its type, then its figures and no
+/// others; names and labels are as they may be; each figure is a number and there once.
 fn assert_well_formed(page: &str) {
-    let mut announced = Vec::new();
+    let is_name = |name: &str| {
+        name.starts_with(|letter: char| letter.is_ascii_lowercase())
+            && name
+                .chars()
+                .all(|letter| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_')
+    };
+    let (mut seen, mut helped, mut family) = (Vec::new(), "", "");
     for line in page.lines() {
-        if let Some(family) = line.strip_prefix("# TYPE ") {
-            announced.push(family.split(' ').next().unwrap());
-        } else if !line.starts_with("# HELP ") {
+        if let Some(help) = line.strip_prefix("# HELP ") {
+            let text;
+            (helped, text) = help.split_once(' ').unwrap();
+            assert!(is_name(helped) && text.ends_with('.'), "{line}");
+        } else if let Some(kind) = line.strip_prefix("# TYPE ") {
+            let (name, kind) = kind.split_once(' ').unwrap();
+            assert_eq!(name, helped, "help comes first");
+            let is_total = name.ends_with("_total");
+            assert_eq!(kind, if is_total { "counter" } else { "gauge" }, "{line}");
+            assert!(!seen.contains(&name), "{line}: twice");
+            seen.push(name);
+            family = name;
+        } else {
             let (figure, value) = line.rsplit_once(' ').unwrap();
-            assert!(announced.contains(&figure.split('{').next().unwrap()), "{line}");
+            let (name, labels) = figure.split_once('{').unwrap_or((figure, "}"));
+            assert_eq!(name, family, "{line}");
+            let labels = labels.strip_suffix('}').unwrap();
+            for label in labels.split(',').filter(|label| !label.is_empty()) {
+                let (label, text) = label.split_once('=').unwrap();
+                assert!(is_name(label) && text.starts_with('"') && text.ends_with('"'), "{line}");
+            }
             value.parse::<f64>().unwrap();
+            assert!(!seen.contains(&figure) || figure == name, "{line}: twice");
+            seen.push(figure);
         }
     }
-    assert!(announced.len() > 5);
+    assert!(page.ends_with('\n') && seen.len() > 20, "{page}");
 }

@@ -8,6 +8,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use tokio::time::Instant;
 
 use crate::link::test_support::{bytes, down, gather, hub_at, quick, up, within};
+use crate::link::usb::Places;
 use crate::link::{LinkEvent, LinkSettings};
 
 /// A device name that a pseudo-terminal can be plugged into, as udev would make and remove it.
@@ -19,7 +20,10 @@ impl Socket {
     fn new() -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = std::env::temp_dir().join(format!("helmlink-tty-{}-{number}", std::process::id()));
+        Self::at(std::env::temp_dir().join(format!("helmlink-tty-{}-{number}", std::process::id())))
+    }
+
+    fn at(name: PathBuf) -> Self {
         _ = std::fs::remove_file(&name);
         Self { name }
     }
@@ -125,6 +129,35 @@ async fn comes_back_under_a_new_number_after_each_unplugging() {
         assert_eq!(down(&mut hub).await.0, link);
         assert!(!hub.send(link, b"x"));
     }
+}
+
+#[tokio::test]
+async fn a_usb_device_is_found_under_the_name_that_it_comes_back_with() {
+    let root = std::env::temp_dir().join(format!("helmlink-usb-replug-{}", std::process::id()));
+    _ = std::fs::remove_dir_all(&root);
+    let usb = Places { sys: root.join("sys"), dev: root.join("dev") };
+    let (class, device) = (usb.sys.join("class/tty"), usb.sys.join("devices/1-1"));
+    for folder in [&class, &usb.dev, &device.join("1-1:1.0")] {
+        std::fs::create_dir_all(folder).unwrap();
+    }
+    std::fs::write(device.join("idVendor"), "1209\n").unwrap();
+    std::fs::write(device.join("idProduct"), "5740\n").unwrap();
+    let settings = LinkSettings { usb: usb.clone(), ..quick() };
+    let mut hub = hub_at("serial:usb-1209:5740:115200", settings).await;
+    for name in ["ttyACM0", "ttyACM1", "ttyACM0"] {
+        let socket = Socket::at(usb.dev.join(name));
+        let port = socket.plug();
+        std::fs::create_dir(class.join(name)).unwrap();
+        std::os::unix::fs::symlink(device.join("1-1:1.0"), class.join(name).join("device")).unwrap();
+        let (link, peer) = up(&mut hub).await;
+        assert!(peer.starts_with(socket.name.to_str().unwrap()), "{peer}");
+        port.write(b"hello").await;
+        assert_eq!(gather(&mut hub, link, 5).await, b"hello");
+        std::fs::remove_dir_all(class.join(name)).unwrap();
+        socket.unplug(port);
+        assert_eq!(down(&mut hub).await.0, link);
+    }
+    std::fs::remove_dir_all(&root).unwrap();
 }
 
 #[tokio::test(start_paused = true)]

@@ -148,6 +148,8 @@ mod rows {
         BATT_LOW_TIMER: Int8 = 10 in 0 .. 120;
         BATT_CRT_VOLT: Real32 = 0 in 0 .. 120;
         BATT_CRT_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_ARM_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_ARM_MAH: Int32 = 0 in 0 .. 2000000;
         BATT_FS_LOW_ACT: Int8 = 0 in 0 .. 7;
         BATT_FS_CRT_ACT: Int8 = 0 in 0 .. 7;
         LOG_BITMASK: Int32 = 0 in 0 .. 1048575;
