@@ -62,6 +62,13 @@ mod rows {
         FRAME_CLASS: Int8 = 2 in 0 .. 3;
         FRAME_TYPE: Int8 = 0 in 0 .. 5;
         INITIAL_MODE: Int8 = 0 in 0 .. 16;
+        MODE_CH: Int8 = 8 in 0 .. 16;
+        MODE1: Int8 = 0 in 0 .. 16;
+        MODE2: Int8 = 0 in 0 .. 16;
+        MODE3: Int8 = 0 in 0 .. 16;
+        MODE4: Int8 = 0 in 0 .. 16;
+        MODE5: Int8 = 0 in 0 .. 16;
+        MODE6: Int8 = 0 in 0 .. 16;
         ARMING_CHECK: Int32 = 1 in 0 .. 1048575;
         ARMING_REQUIRE: Int8 = 1 in 0 .. 2;
 
