@@ -32,7 +32,8 @@ fn pymavlink_runs_a_mission_over_udp() {
 #[test]
 fn mavsdk_runs_a_mission() {
     let (_boat, address) = boat("tcpin", "5");
-    Script::run("mavsdk_mission.py", &["native", &format!("tcpout://{address}"), LONG]);
+    // With --nocapture: how long discovery took.
+    print!("{}", Script::run("mavsdk_mission.py", &["native", &format!("tcpout://{address}"), LONG]));
 }
 
 #[test]
@@ -44,7 +45,8 @@ fn mavsdk_by_grpc_runs_a_mission_over_udp() {
 #[test]
 fn mavproxy_runs_a_mission() {
     let (_boat, address) = boat("tcpin", "2");
-    Script::run("mavproxy_mission.py", &[&format!("tcp:{address}"), SHORT]);
+    // With --nocapture: how long all parameters took.
+    print!("{}", Script::run("mavproxy_mission.py", &[&format!("tcp:{address}"), SHORT]));
 }
 
 #[test]

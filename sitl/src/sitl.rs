@@ -493,6 +493,8 @@ impl Sitl {
 
 #[cfg(test)]
 mod tests {
+    use helmlink_wire::Framer;
+
     use super::*;
 
     fn boat(change: impl FnOnce(&mut SitlSettings)) -> Result<Sitl, SitlError> {
@@ -556,6 +558,28 @@ mod tests {
         assert!(boat.autopilot.arm(false));
         boat.advance(Duration::from_secs(20));
         assert!(boat.truth().hull.east_m > 4.0, "{:?}", boat.truth());
+    }
+
+    #[test]
+    fn whoever_comes_hears_a_heartbeat_within_a_second() {
+        let mut boat = boat(|_| {}).unwrap();
+        for (number, comes_at_ms) in [(1, 0), (2, 2020), (3, 5980)] {
+            let (link, comes_at) = (LinkId(number), Duration::from_millis(comes_at_ms));
+            boat.advance(comes_at);
+            boat.link_up(link);
+            while boat.poll_transmit().is_some() {}
+            let heard = (1..=51).find(|loops| {
+                boat.advance(comes_at + LOOP * *loops);
+                let mut framer = Framer::new();
+                while let Some((to, bytes)) = boat.poll_transmit() {
+                    if to == link {
+                        framer.push(&bytes);
+                    }
+                }
+                std::iter::from_fn(|| framer.next_frame().map(|frame| frame.message_id())).any(|id| id == 0)
+            });
+            assert!(heard.is_some_and(|loops| loops <= 50), "{heard:?} loops after {comes_at:?}");
+        }
     }
 
     #[test]

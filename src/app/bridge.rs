@@ -47,6 +47,7 @@ Examples:
   helmlink bridge --connect udpin:127.0.0.1:14550 --shadow --mission survey.waypoints
   helmlink bridge --connect serial:/dev/ttyAMA0:921600 --gcs udpin:0.0.0.0:14550 --signing-key key --sign gcs
 
+With --json, a line on standard output tells each change of state, with the reason.
 Without --engage, --engage-mode or a command from a ground station (MISSION_START or DO_PAUSE_CONTINUE
 to component 191) the bridge only watches. It never arms the motors unless --arm is given.
 Ctrl-C: motors neutral, then the boat is let go.")]
@@ -228,6 +229,7 @@ async fn drive(
         };
         watch.look(seen);
         say_events(&mut edge);
+        watch.note_changes(&mut edge.party, args.common.json);
         operation.after_turn(&edge);
         // What follows has time until the next tick, and need not be done for every datagram.
         if !edge.has_ticked() {
@@ -251,6 +253,7 @@ async fn drive(
     };
     if !edge.party.is_abandoned() {
         stop(&mut edge).await;
+        watch.note_changes(&mut edge.party, args.common.json);
     }
     if let Some(memory) = &mut memory {
         memory.keep(edge.now(), &mut edge.party);
@@ -269,12 +272,25 @@ struct Watch {
     once: bool,
     wait: Duration,
     found: Option<Identity>,
+    /// A mission has been completed, whatever has happened since.
+    finished: bool,
 }
 
 impl Watch {
     fn new(args: &BridgeArgs) -> Self {
         let wait = Duration::from_secs_f64(args.wait);
-        Self { once: args.once, wait: if wait.is_zero() { Duration::MAX } else { wait }, found: None }
+        let wait = if wait.is_zero() { Duration::MAX } else { wait };
+        Self { once: args.once, wait, found: None, finished: false }
+    }
+
+    /// Looks at every change of state, and tells programs of it where they want to hear.
+    fn note_changes(&mut self, bridge: &mut Bridge, for_programs: bool) {
+        while let Some(change) = bridge.poll_change() {
+            self.finished |= change.state == State::Finished;
+            if for_programs {
+                console::say(&change.to_json().to_string());
+            }
+        }
     }
 
     fn look(&self, seen: Option<Seen>) {
@@ -297,7 +313,7 @@ impl Watch {
                  address and the baud rate, and that the port speaks MAVLink 2 (SERIALn_PROTOCOL 2); --wait 0 waits for ever"
             ))));
         }
-        (self.once && edge.party.status().state == State::Finished).then_some(Ok(()))
+        (self.once && self.finished).then_some(Ok(()))
     }
 }
 

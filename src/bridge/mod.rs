@@ -74,7 +74,7 @@ use self::timesync::TimeSync;
 use crate::control::response::DelayChoice;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
-use crate::pilot::supervisor::{Policy, Request, State, Supervisor};
+use crate::pilot::supervisor::{Policy, Reason, Request, State, Supervisor};
 use crate::record::{ControlState, Header, Journal};
 use crate::vehicle::output::{self, Demand, Output};
 use crate::vehicle::{Cadence, ParameterReader, StreamRequests, Telemetry, VehicleClock};
@@ -90,6 +90,8 @@ const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 const MOVE_AFTER_S: f64 = 1.0;
 /// Nobody drives slower than this, m/s.
 const LEAST_SPEED_MPS: f64 = 0.1;
+/// Changes of state that nobody has taken beyond this number are dropped.
+const CHANGE_LIMIT: usize = 100;
 /// Events that nobody has taken beyond this number are dropped.
 const EVENT_LIMIT: usize = 1000;
 
@@ -138,6 +140,10 @@ pub struct Bridge {
     reporter: Reporter,
     last_request: Option<Duration>,
     events: VecDeque<Event>,
+    /// The bridge at each change of state that nobody has taken yet.
+    changes: VecDeque<Status>,
+    /// Why the state machine is where it is.
+    reason: Option<Reason>,
     /// The settings before parameters changed them.
     given: BridgeSettings,
 }
@@ -192,6 +198,8 @@ impl Bridge {
             reporter: Reporter::default(),
             last_request: None,
             events: VecDeque::new(),
+            changes: VecDeque::new(),
+            reason: None,
             given,
             settings,
         };
@@ -298,6 +306,11 @@ impl Bridge {
         self.events.pop_front()
     }
 
+    /// The bridge as it was at the next change of its state, with the reason.
+    pub fn poll_change(&mut self) -> Option<Status> {
+        self.changes.pop_front()
+    }
+
     /// Asks something of the bridge, as the user at its console.
     ///
     /// # Errors
@@ -326,6 +339,7 @@ impl Bridge {
     pub fn status(&self) -> Status {
         Status {
             state: self.supervisor.state(),
+            reason: self.reason,
             vehicle: self.vehicle.map(|vehicle| vehicle.id),
             mode: self.telemetry.mode(),
             armed: self.telemetry.is_armed(),
@@ -439,6 +453,8 @@ impl Bridge {
         let Some(vehicle) = self.vehicle else { return };
         if from == vehicle.id && link == vehicle.link {
             self.on_vehicle_message(vehicle, message);
+        } else {
+            self.watch_for_rivals(from, message);
         }
         self.on_order(link, from, vehicle, message);
     }

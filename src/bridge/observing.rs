@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use helmlink_mission::geodesy::LocalFrame;
 use helmlink_wire::dialect::HEARTBEAT_DATA;
-use helmlink_wire::enums;
+use helmlink_wire::{Identity, Message, enums};
 
 use super::Bridge;
 use super::fence::FenceKeeper;
@@ -30,6 +30,8 @@ pub(super) struct Observer {
     pub(super) rebooted: bool,
     /// When the control loop last stepped, or the drive began.
     pub(super) last_step: Option<Duration>,
+    /// It has been said in this drive that somebody else steers too.
+    pub(super) rival_told: bool,
     /// The limit passed at the last look.
     trip: Option<Trip>,
     /// The last position, and what became of it: looked at several times before the next one comes.
@@ -75,6 +77,31 @@ impl Bridge {
         self.advance(now);
         self.observer.recording_failed = failed;
         self.supervise();
+    }
+
+    /// Says once a drive that somebody else sends the boat the same kind of commands, as a ground station with a joystick
+    /// does: it would obey both in turn.
+    pub(super) fn watch_for_rivals(&mut self, from: Identity, message: &Message) {
+        let output = self.settings.output;
+        let steers = match message {
+            Message::RC_CHANNELS_OVERRIDE(_) | Message::MANUAL_CONTROL(_) => {
+                output.uses_sticks() && from.system == self.settings.ground_station_system
+            }
+            Message::SET_ATTITUDE_TARGET(_)
+            | Message::SET_POSITION_TARGET_LOCAL_NED(_)
+            | Message::SET_POSITION_TARGET_GLOBAL_INT(_) => !output.uses_sticks(),
+            _ => false,
+        };
+        if !steers || self.supervisor.state() != State::Engaged {
+            return;
+        }
+        if !std::mem::replace(&mut self.observer.rival_told, true) {
+            let text = format!(
+                "{from} steers the boat too, and it obeys both in turn: switch that off (a joystick in the ground \
+                 station?), or change the mode to take over"
+            );
+            self.event(enums::MAV_SEVERITY_WARNING, text);
+        }
     }
 
     /// Lets the failsafes look at everything.

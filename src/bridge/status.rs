@@ -2,11 +2,12 @@
 
 use helmlink_wire::Identity;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::control::Diagnostics;
 use crate::control::response::MeasuredDelay;
 use crate::pilot::Progress;
-use crate::pilot::supervisor::State;
+use crate::pilot::supervisor::{Reason, State};
 use crate::vehicle::Mode;
 use crate::vehicle::output::Demand;
 
@@ -36,6 +37,8 @@ pub struct Health {
 pub struct Status {
     /// The safety state machine.
     pub state: State,
+    /// Why it is in that state; none at the beginning.
+    pub reason: Option<Reason>,
     /// The flight controller, once found.
     pub vehicle: Option<Identity>,
     /// Its mode.
@@ -58,4 +61,31 @@ pub struct Status {
     pub delay_s: f64,
     /// How evenly the steering frames go out.
     pub pace: super::pace::Pace,
+}
+
+impl Status {
+    /// The same for programs: one object, whose keys stay what they are.
+    pub fn to_json(&self) -> Value {
+        let progress = self.progress.map(|progress| {
+            json!({
+                "next_waypoint": progress.next + 1,
+                "waypoints": progress.total,
+                "complete": progress.complete,
+                "cross_track_m": progress.cross_track_m,
+                "to_go_m": progress.to_go_m,
+                "speed_mps": progress.speed_mps,
+                "wanted_speed_mps": progress.wanted_speed_mps,
+            })
+        });
+        json!({
+            "state": self.state.name(),
+            "reason": self.reason.map(|reason| reason.to_string()),
+            "failsafe": self.reason.and_then(|reason| reason.failsafe()).map(|failsafe| failsafe.definition().key),
+            "system": self.vehicle.map(|vehicle| vehicle.system),
+            "mode": self.mode.map(|mode| mode.to_string()),
+            "armed": self.armed,
+            "progress": progress,
+            "round_trip_s": self.round_trip_s,
+        })
+    }
 }

@@ -5,7 +5,7 @@ use helmlink_mission::route::Action;
 use helmlink_wire::{Message, enums};
 
 use super::pace::Pace;
-use super::{Bridge, REQUEST_REPEAT, Vehicle, controller_state};
+use super::{Bridge, CHANGE_LIMIT, REQUEST_REPEAT, Status, Vehicle, controller_state};
 use crate::control::Diagnostics;
 use crate::pilot::MissionRun;
 use crate::pilot::supervisor::{Conditions, Duty, Reason, State, Transition};
@@ -73,6 +73,11 @@ impl Bridge {
             _ => enums::MAV_SEVERITY_INFO,
         };
         self.event(severity, transition.describe());
+        self.reason = Some(transition.reason);
+        if self.changes.len() >= CHANGE_LIMIT {
+            self.changes.pop_front();
+        }
+        self.changes.push_back(Status { state: transition.to, ..self.status() });
         if let Some(failsafe) = transition.reason.failsafe().filter(|_| transition.from == State::Engaged) {
             self.counts.on_failsafe(failsafe);
         }
@@ -81,6 +86,7 @@ impl Bridge {
             State::Engaged => {
                 self.observer.last_step = Some(self.now);
                 self.steering.coasting = false;
+                self.observer.rival_told = false;
                 self.watch.on_new_way();
                 self.engage_run();
             }

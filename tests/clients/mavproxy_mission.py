@@ -13,10 +13,14 @@ import tempfile
 import threading
 import time
 
+from quiet import Stopwatch
+
 PATIENCE = 90.0
 """Seconds of real time after which a wait is hopeless."""
 ANSWER = 1.0
 """Seconds of real time after which a question is asked again."""
+PARAMETERS_WITHIN = 3.0
+"""Seconds of real time within which a quiet machine has all parameters. MAVProxy itself waits for one of them."""
 # `terrain` and `adsb` draw in packages for maps that nothing here needs.
 MODULES = "log,signing,wp,rally,fence,ftp,param,relay,arm,mode,rc,misc,cmdlong,battery,output"
 
@@ -72,9 +76,10 @@ class MavProxy:
 def parameters(station):
     """All of them, one of them shown."""
     station.expect("online system 1")
-    started = time.monotonic()
+    connected = Stopwatch()
     count = int(station.expect(r"Received (\d+) parameters").group(1))
-    print(f"{count} parameters {time.monotonic() - started:.2f} s after connecting")
+    took = connected.within(PARAMETERS_WITHIN, "fetching all parameters")
+    print(f"{count} parameters {took:.2f} s after connecting")
     station.type("param show SYSID_MYGCS")
     station.expect(r"SYSID_MYGCS\s+255")
 

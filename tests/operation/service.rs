@@ -71,6 +71,44 @@ fn the_example_configuration_is_good_with_every_setting_in_it() {
     assert!(good, "{said}");
 }
 
+/// Settings that everybody has to choose, or for which a service wants something else than a person does.
+const NOT_AT_DEFAULT: [&str; 2] = ["connect", "wait"];
+
+#[test]
+fn the_example_fits_the_schema_and_shows_the_defaults() {
+    let (good, said) = helmlink(&["config", "schema"]);
+    assert!(good, "{said}");
+    let schema: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let options = &schema["properties"]["bridge"]["properties"];
+    let example = fs::read_to_string(EXAMPLE).unwrap();
+    let full: toml::Table = with_every_setting(&example).parse().unwrap();
+    for (key, value) in full["bridge"].as_table().unwrap() {
+        let allowed = options[key].to_string();
+        let kind = match value {
+            toml::Value::String(_) => "\"string\"",
+            toml::Value::Boolean(_) => "\"boolean\"",
+            toml::Value::Array(_) => "\"array\"",
+            toml::Value::Integer(_) if allowed.contains("\"integer\"") => "\"integer\"",
+            toml::Value::Integer(_) | toml::Value::Float(_) => "\"number\"",
+            other => panic!("{key}: {other}"),
+        };
+        assert!(allowed.contains(kind), "{key} = {value}: {allowed}");
+    }
+    let set: toml::Table = example.parse().unwrap();
+    for (key, value) in set["bridge"].as_table().unwrap() {
+        if NOT_AT_DEFAULT.contains(&key.as_str()) {
+            continue;
+        }
+        let default = &options[key]["default"];
+        let is_default = match value {
+            toml::Value::String(text) => default.as_str() == Some(text),
+            toml::Value::Integer(number) => default.as_f64() == Some(*number as f64),
+            other => panic!("{key}: {other}"),
+        };
+        assert!(is_default, "{key} = {value}, by default {default}");
+    }
+}
+
 #[test]
 fn a_mistake_in_a_configuration_is_told_with_its_line() {
     let folder = Folder::new("service-mistake");

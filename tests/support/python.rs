@@ -30,6 +30,11 @@ impl Script {
     }
 }
 
+/// The folder with the `python3` that has all these packages.
+pub fn python_folder() -> PathBuf {
+    environment().join("bin")
+}
+
 /// The virtual environment, installed when it is not there or when the pinned packages have changed.
 fn environment() -> &'static Path {
     static ENVIRONMENT: OnceLock<PathBuf> = OnceLock::new();

@@ -111,7 +111,7 @@ pub enum Fault {
     )]
     NotAMission(String),
     /// No line with anything on it.
-    #[error("the file is empty: save the mission again from a ground station")]
+    #[error("the file is empty: save the mission again from a ground station, as \"QGC WPL 110\" or .plan")]
     Nothing,
     /// Not text.
     #[error("is not UTF-8 text, so it is not a mission file: save the mission again from a ground station")]

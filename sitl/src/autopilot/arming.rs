@@ -24,11 +24,22 @@ impl Autopilot {
             if self.battery.state() != Charge::Good {
                 obstacles.push("Battery 1 low");
             }
+            obstacles.extend(self.battery_obstacle());
         }
         if !self.mode.may_arm() {
             obstacles.push("Mode not armable");
         }
         obstacles
+    }
+
+    /// What the battery lacks for setting out (BATT_ARM_VOLT, BATT_ARM_MAH; 0 asks for nothing).
+    fn battery_obstacle(&self) -> Option<&'static str> {
+        let (least_v, least_mah) = (self.parameters.get(BATT_ARM_VOLT), self.parameters.get(BATT_ARM_MAH));
+        if least_v > 0.0 && self.battery_voltage_v() < least_v {
+            return Some("Battery 1 below minimum arming voltage");
+        }
+        let left_mah = self.battery_left() * self.parameters.get(BATT_CAPACITY);
+        (least_mah > 0.0 && left_mah < least_mah).then_some("Battery 1 below minimum arming capacity")
     }
 
     /// What of the sensors is not yet right after starting.
@@ -113,6 +124,22 @@ mod tests {
         assert_eq!(bench.autopilot.arming_obstacles(), ["Radio failsafe on", "Mode not armable"]);
         bench.autopilot.parameters.put(ARMING_CHECK, 0.0);
         bench.autopilot.mode = Mode::Hold;
+        assert!(bench.autopilot.arm(false));
+    }
+
+    #[test]
+    fn a_battery_that_is_not_full_enough_keeps_the_boat_in_harbour() {
+        let mut bench = Bench::ready();
+        let parameters = &mut bench.autopilot.parameters;
+        parameters.put(BATT_CAPACITY, 10_000.0);
+        parameters.put(BATT_ARM_VOLT, 12.0);
+        parameters.put(BATT_ARM_MAH, 6000.0);
+        assert!(bench.autopilot.arming_obstacles().is_empty());
+        bench.autopilot.battery.set_left(0.5, 10_000.0);
+        assert_eq!(bench.autopilot.arming_obstacles(), ["Battery 1 below minimum arming voltage"]);
+        bench.autopilot.parameters.put(BATT_ARM_VOLT, 0.0);
+        assert_eq!(bench.autopilot.arming_obstacles(), ["Battery 1 below minimum arming capacity"]);
+        bench.autopilot.parameters.put(BATT_ARM_MAH, 0.0);
         assert!(bench.autopilot.arm(false));
     }
 

@@ -172,6 +172,7 @@ fn message(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autopilot::testing::Bench;
 
     const GCS: Identity = Identity { system: 255, component: 230 };
     const LINK: LinkId = LinkId(1);
@@ -274,6 +275,23 @@ mod tests {
                 assert_eq!(parameters.get(param), value, "{name}");
             }
         }
+    }
+
+    /// MAVProxy's part of the three seconds until it has all parameters is a second of waiting and the rest Python.
+    #[test]
+    fn the_boats_part_in_fetching_all_parameters_is_two_loops() {
+        let mut bench = Bench::ready();
+        let mut asked = |request| {
+            bench.send(LINK, GCS, &Message::FILE_TRANSFER_PROTOCOL(request));
+            let sent = bench.run_loops(1);
+            let is_answer = |message: &&Message| matches!(message, Message::FILE_TRANSFER_PROTOCOL(_));
+            sent[&LINK].iter().filter(is_answer).cloned().collect::<Vec<_>>()
+        };
+        let name = PARAMETERS_FILE.as_bytes();
+        assert_eq!(asked(request(MAV_FTP_OPCODE_OPENFILERO, 0, name.len() as u8, name)).len(), 1);
+        let pieces = asked(request(MAV_FTP_OPCODE_BURSTREADFILE, 0, 239, &[]));
+        let Some(Message::FILE_TRANSFER_PROTOCOL(last)) = pieces.last() else { panic!("no piece") };
+        assert!(pieces.len() > 5 && last.payload[at::BURST_COMPLETE] == 1);
     }
 
     #[test]

@@ -29,6 +29,7 @@ mod guided;
 mod links;
 mod messages;
 mod missions;
+mod mode_switch;
 mod modes;
 mod motion;
 mod navigation;
@@ -76,6 +77,7 @@ use fence::Fence;
 use ftp::Ftp;
 use guided::Guided;
 use links::Links;
+use mode_switch::ModeSwitch;
 use modes::{Mode, ModeState};
 use motion::{Demand, Drift, Motion};
 use navigation::Report;
@@ -122,6 +124,7 @@ pub(crate) struct Autopilot {
     /// Whether home was set by hand and stays where it is on arming.
     home_locked: bool,
     rc: RcInput,
+    mode_switch: ModeSwitch,
     guided: Guided,
     auto: Auto,
     breadcrumbs: Breadcrumbs,
@@ -186,6 +189,7 @@ impl Autopilot {
             home: None,
             home_locked: false,
             rc: RcInput::default(),
+            mode_switch: ModeSwitch::default(),
             guided: Guided::default(),
             auto: Auto::default(),
             breadcrumbs: Breadcrumbs::default(),
@@ -254,6 +258,7 @@ impl Autopilot {
         self.start_up();
         self.poll_missions();
         self.rc.expire(now, &self.parameters);
+        self.watch_mode_switch();
         self.watch_failsafes();
         self.watch_battery();
         self.watch_fence();
@@ -338,6 +343,7 @@ impl Autopilot {
         self.home = None;
         self.home_locked = false;
         self.rc = RcInput::default();
+        self.mode_switch = ModeSwitch::default();
         self.guided = Guided::default();
         self.auto = Auto::default();
         self.failsafe = Failsafe::default();

@@ -5,15 +5,15 @@ use std::ops::{Add, Mul, Sub};
 use super::dynamics::NedVector;
 
 /// Below this angle the series of [`small_sin_cos`] is exact to 4e-15, rad.
-pub(super) const SMALL_ANGLE_RAD: f64 = 0.1;
+pub(super) const SMALL_ANGLE_RAD: f64 = 0.2;
 
 /// Sine and cosine of angles below [`SMALL_ANGLE_RAD`] in magnitude, by their series.
 #[inline]
 pub(super) fn small_sin_cos(angle_rad: Pair) -> (Pair, Pair) {
     let square = angle_rad * angle_rad;
     let less = |share: f64, rest: Pair| Pair::both(1.0) - square * Pair::both(share) * rest;
-    let sin = less(1.0 / 6.0, less(1.0 / 20.0, less(1.0 / 42.0, Pair::both(1.0))));
-    let cos = less(1.0 / 12.0, less(1.0 / 30.0, less(1.0 / 56.0, Pair::both(1.0))));
+    let sin = less(1.0 / 6.0, less(1.0 / 20.0, less(1.0 / 42.0, less(1.0 / 72.0, Pair::both(1.0)))));
+    let cos = less(1.0 / 12.0, less(1.0 / 30.0, less(1.0 / 56.0, less(1.0 / 90.0, Pair::both(1.0)))));
     (angle_rad * sin, less(0.5, cos))
 }
 
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn the_series_is_as_good_as_it_says() {
         for i in -1000..=1000 {
-            let angle_rad = f64::from(i) * 1e-4 * 0.9999;
+            let angle_rad = f64::from(i) * 2e-4 * 0.9999;
             let (sin, cos) = sin_cos(angle_rad);
             assert!((sin - angle_rad.sin()).abs() < 4e-15 && (cos - angle_rad.cos()).abs() < 4e-15);
         }

@@ -1,6 +1,6 @@
 //! Who else may be on the links, and what he is allowed to change.
 
-use helmlink_wire::dialect::HEARTBEAT_DATA;
+use helmlink_wire::dialect::{HEARTBEAT_DATA, MANUAL_CONTROL_DATA, SET_ATTITUDE_TARGET_DATA};
 use helmlink_wire::{Encoder, Identity, LinkId, Message, enums};
 
 use super::rig::*;
@@ -116,6 +116,24 @@ fn who_takes_the_right_to_override_is_noticed_even_if_the_news_is_lost() {
             rig.set_parameter("SYSID_MYGCS", 255.0);
             assert!(rig.run_until(10.0, |rig| rig.state() == State::Ready), "{:?}", rig.texts());
         }
+    }
+}
+
+#[test]
+fn somebody_else_at_the_helm_is_told_of_once() {
+    let manual = Message::MANUAL_CONTROL(MANUAL_CONTROL_DATA { target: 1, ..MANUAL_CONTROL_DATA::DEFAULT });
+    let target = Message::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA::DEFAULT);
+    for output in OutputKind::ALL {
+        let mut rig = Rig::under_way(Setup::new(output, true), |_| {});
+        let (his, harmless) = if output.uses_sticks() { (&manual, &target) } else { (&target, &manual) };
+        let told = |rig: &Rig| rig.texts().iter().filter(|text| text.contains("steers the boat too")).count();
+        hear(&mut rig, DIRECT, STATION, harmless);
+        assert_eq!(told(&rig), 0, "{output}");
+        for _ in 0..5 {
+            hear(&mut rig, DIRECT, STATION, his);
+            rig.run(0.1);
+        }
+        assert_eq!(told(&rig), 1, "{output}: {:?}", rig.texts());
     }
 }
 

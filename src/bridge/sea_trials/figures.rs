@@ -28,6 +28,7 @@ fn a_pilot_who_takes_over_hears_no_more_of_us_after_the_next_control_period() {
 #[test]
 fn a_restarted_bridge_is_back_in_control_within_two_seconds() {
     let waypoints = vec![(20.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)];
+    let mut longest_s: f64 = 0.0;
     for output in OutputKind::ALL {
         for receiver in [true, false] {
             let setup = Setup { waypoints: waypoints.clone(), ..Setup::new(output, receiver) };
@@ -47,12 +48,14 @@ fn a_restarted_bridge_is_back_in_control_within_two_seconds() {
             let case = format!("{output}, receiver {receiver}");
             let back = rig.run_until(5.0, |rig| rig.state() == State::Engaged);
             let after_s = (rig.now - valid_at).as_secs_f64();
+            longest_s = longest_s.max(after_s);
             assert!(back && after_s <= 2.0, "{case}: {after_s} s, {:?}", rig.texts());
             assert_eq!(rig.bridge().status().progress.unwrap().next, 2, "{case}: at the same waypoint");
             let finished = rig.run_until(200.0, |rig| rig.state() == State::Finished);
             assert!(finished, "{case}: {:?}", rig.texts());
         }
     }
+    println!("back in control at most {longest_s:.2} s after the position is valid");
 }
 
 #[test]

@@ -167,6 +167,22 @@ fn parameters_are_listed_set_refused_kept_and_reset() {
 }
 
 #[test]
+fn every_change_of_state_has_its_reason_for_programs_too() {
+    let mut rig = under_way();
+    rig.choose(Mode::LOITER);
+    rig.run(1.0);
+    let changes: Vec<_> =
+        std::iter::from_fn(|| rig.bridge().poll_change()).map(|change| change.to_json()).collect();
+    let states: Vec<_> = changes.iter().map(|change| change["state"].as_str().unwrap()).collect();
+    assert_eq!(states[states.len() - 3..], ["engaging", "engaged", "ready"], "{changes:?}");
+    assert!(changes.iter().all(|change| change["reason"].as_str().is_some_and(|reason| !reason.is_empty())));
+    let last = changes.last().unwrap();
+    assert_eq!((last["failsafe"].as_str(), last["mode"].as_str()), (Some("mode-changed"), Some("LOITER")));
+    assert_eq!(last["progress"]["next_waypoint"], 1);
+    assert_eq!(rig.bridge().status().to_json()["reason"], last["reason"]);
+}
+
+#[test]
 fn a_mission_changed_under_way_is_followed_from_where_the_boat_is() {
     let mut rig = under_way();
     rig.run(25.0);

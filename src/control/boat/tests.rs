@@ -34,7 +34,7 @@ fn a_value_out_of_range_names_its_key_and_range() {
         ("ahead_n = 119.7", "ahead_n = -1.0"),
         ("turn_rate_radps = 0.23", "turn_rate_radps = 0.5"),
         ("boundary = 0.2", "boundary = 0.0"),
-        ("heading_gain = 1.0", "heading_gain = inf"),
+        ("heading_gain = 1.1", "heading_gain = inf"),
     ] {
         let error = Boat::from_toml(&with(line, bad)).unwrap_err();
         let key = line.split(' ').next().unwrap();

@@ -62,6 +62,13 @@ mod rows {
         FRAME_CLASS: Int8 = 2 in 0 .. 3;
         FRAME_TYPE: Int8 = 0 in 0 .. 5;
         INITIAL_MODE: Int8 = 0 in 0 .. 16;
+        MODE_CH: Int8 = 8 in 0 .. 16;
+        MODE1: Int8 = 0 in 0 .. 16;
+        MODE2: Int8 = 0 in 0 .. 16;
+        MODE3: Int8 = 0 in 0 .. 16;
+        MODE4: Int8 = 0 in 0 .. 16;
+        MODE5: Int8 = 0 in 0 .. 16;
+        MODE6: Int8 = 0 in 0 .. 16;
         ARMING_CHECK: Int32 = 1 in 0 .. 1048575;
         ARMING_REQUIRE: Int8 = 1 in 0 .. 2;
 
@@ -148,6 +155,8 @@ mod rows {
         BATT_LOW_TIMER: Int8 = 10 in 0 .. 120;
         BATT_CRT_VOLT: Real32 = 0 in 0 .. 120;
         BATT_CRT_MAH: Real32 = 0 in 0 .. 2000000;
+        BATT_ARM_VOLT: Real32 = 0 in 0 .. 120;
+        BATT_ARM_MAH: Int32 = 0 in 0 .. 2000000;
         BATT_FS_LOW_ACT: Int8 = 0 in 0 .. 7;
         BATT_FS_CRT_ACT: Int8 = 0 in 0 .. 7;
         LOG_BITMASK: Int32 = 0 in 0 .. 1048575;
