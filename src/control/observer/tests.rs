@@ -3,6 +3,13 @@ use crate::control::Boat;
 
 const DT_S: f64 = 0.04;
 const CALM: NorthEast = NorthEast::ZERO;
+/// An observer that takes out much, whatever a boat's own is tuned for.
+const SETTINGS: ObserverSettings = ObserverSettings {
+    noise_radps: 0.03,
+    noise_mps: 0.05,
+    turn_bandwidth_radps: 2.0,
+    move_bandwidth_radps: 2.0,
+};
 
 fn otter() -> Boat {
     Boat::embedded("otter").unwrap()
@@ -21,7 +28,7 @@ fn wrench(time_s: f64) -> Wrench {
 /// error of the measurement and of the estimate.
 fn rate_errors(truth: &Hull, wave_radps: f64) -> (f64, f64) {
     let boat = otter();
-    let mut observer = Observer::new(boat.observer);
+    let mut observer = Observer::new(SETTINGS);
     let mut state = under_way();
     let (mut raw, mut seen, mut count) = (0.0, 0.0, 0.0);
     for step in 0..3000 {
@@ -39,7 +46,7 @@ fn rate_errors(truth: &Hull, wave_radps: f64) -> (f64, f64) {
             seen += (estimate.yaw_rate_radps - state.yaw_rate_radps).powi(2);
             count += 1.0;
         }
-        let quiet = Observer { estimate: Some(state), ..Observer::new(boat.observer) };
+        let quiet = Observer { estimate: Some(state), ..Observer::new(SETTINGS) };
         state = quiet.expected(DT_S, truth, &state, wrench(time_s), CALM);
     }
     ((raw / count).sqrt(), (seen / count).sqrt())
@@ -71,7 +78,7 @@ fn waves_are_taken_out_with_a_wrong_model_too() {
 #[test]
 fn a_jump_of_the_position_starts_anew() {
     let boat = otter();
-    let mut observer = Observer::new(boat.observer);
+    let mut observer = Observer::new(SETTINGS);
     observer.observe(DT_S, &boat.hull, &under_way(), Wrench::default(), CALM);
     let far = VesselState { position: NorthEast::new(500.0, 0.0), ..under_way() };
     assert_eq!(observer.observe(DT_S, &boat.hull, &far, Wrench::default(), CALM), far);
