@@ -72,6 +72,7 @@ impl ScenarioFile {
                 option.clone_from(value);
             }
         }
+        args.depth = world.depth_m.or(args.depth);
         if let Some(seed) = world.seed {
             args.seed = seed;
         }

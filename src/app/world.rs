@@ -2,7 +2,7 @@
 
 use clap::Args;
 use helmlink_mission::geodesy::Geodetic;
-use helmlink_sitl::physics::sea::{Current, Waves, Wind};
+use helmlink_sitl::physics::sea::{Current, Waves, Wind, checked_depth_m};
 use helmlink_sitl::physics::{Hull, Sea, SeaState, SensorSettings};
 
 use super::failure::Failure;
@@ -25,6 +25,9 @@ pub struct WorldArgs {
     /// Waves: significant height in m, peak period in s, direction they come FROM, such as 0.3:2.8@200
     #[arg(long, value_name = "HS:TP@FROM")]
     pub waves: Option<String>,
+    /// Depth of the water in m, for the drag of a near bottom; deep if not given
+    #[arg(long, value_name = "M")]
+    pub depth: Option<f64>,
     /// How good the boat's sensors are: perfect, typical or poor
     #[arg(long, default_value = "typical")]
     pub sensors: String,
@@ -73,10 +76,32 @@ impl World {
             }
             sea_text.push_str(&format!(", {option} {text}"));
         }
+        if let Some(depth_m) = args.depth {
+            sea.depth_m = Some(depth_for(&hull, depth_m)?);
+            sea_text.push_str(&format!(", depth {depth_m} m"));
+        }
         let sensors = args.sensors.parse().map_err(Failure::usage)?;
         let home = args.home.as_deref().map(parse_home).transpose()?;
         Ok(Self { hull, sea, sensors, seed: args.seed, home, sea_text, sensors_text: args.sensors.clone() })
     }
+}
+
+/// A depth in which the drag of this hull is known.
+fn depth_for(hull: &Hull, depth_m: f64) -> Result<f64, Failure> {
+    let fault = |why: String| Failure::usage(format!("--depth {depth_m}: {why}"));
+    checked_depth_m(depth_m).map_err(|error| fault(error.to_string()))?;
+    let Some(size) = hull.shallow_water else {
+        return Err(fault(format!(
+            "the boat {} does not say how large it is under water; leave the depth out, or give a hull file with a \
+             table [shallow_water]",
+            hull.name
+        )));
+    };
+    let least_m = size.least_depth_m();
+    if depth_m < least_m {
+        return Err(fault(format!("the boat {} needs between {least_m:.2} and 1000 m", hull.name)));
+    }
+    Ok(depth_m)
 }
 
 /// A built-in hull by its name, or one from a file.
@@ -116,6 +141,16 @@ fn parse_home(text: &str) -> Result<(Geodetic, Option<f64>), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_depth_must_suit_the_boat() {
+        let refused =
+            |boat, depth_m| depth_for(&Hull::builtin(boat).unwrap(), depth_m).unwrap_err().to_string();
+        assert!(refused("otter", f64::NAN).contains("between 0.1 and 1000 m"));
+        assert!(refused("otter", 0.2).contains("--depth 0.2: the boat otter needs between 0.25 and 1000 m"));
+        assert!(refused("motorboat", 2.0).contains("[shallow_water]"));
+        assert_eq!(depth_for(&Hull::builtin("skiff").unwrap(), 0.5).unwrap(), 0.5);
+    }
 
     #[test]
     fn reads_a_home() {

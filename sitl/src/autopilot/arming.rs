@@ -18,6 +18,7 @@ impl Autopilot {
             if self.parameters.int(FS_THR_ENABLE) > 0 && self.has_radio_loss() {
                 obstacles.push("Radio failsafe on");
             }
+            obstacles.extend(self.fence_margin_obstacle());
             if self.is_outside_fence() {
                 obstacles.push("vehicle outside fence");
             }

@@ -113,6 +113,21 @@ impl Autopilot {
         beyond_circle || kinds & TYPE_PLAN != 0 && self.fence.zones.iter().any(violates)
     }
 
+    /// A margin that leaves no room inside a circle; the words are ArduRover's (AC_Fence `pre_arm_check_polygon`
+    /// and `pre_arm_check_circle`), which mean the reverse.
+    pub(super) fn fence_margin_obstacle(&self) -> Option<&'static str> {
+        let kinds = self.parameters.int(FENCE_TYPE);
+        if !self.is_fenced() || kinds == 0 {
+            return None;
+        }
+        let margin_m = self.parameters.get(FENCE_MARGIN);
+        let has_no_room = |zone: &Zone| matches!(zone.shape, Shape::Circle { radius_m, .. } if zone.inclusion && radius_m < margin_m);
+        if kinds & TYPE_PLAN != 0 && self.fence.zones.iter().any(has_no_room) {
+            return Some("Margin is less than inclusion circle radius");
+        }
+        (self.parameters.get(FENCE_RADIUS) < margin_m).then_some("FENCE_MARGIN is less than FENCE_RADIUS")
+    }
+
     /// Acts once each time the boat leaves (FENCE_ACTION).
     pub(super) fn watch_fence(&mut self) {
         let outside = self.is_outside_fence();
@@ -213,6 +228,28 @@ mod tests {
             let north_m = bench.position().north_m;
             assert!((19.0..30.0).contains(&north_m), "plan {number}: {north_m} m");
         }
+    }
+
+    #[test]
+    fn a_margin_that_fills_a_circle_forbids_arming_but_moves_no_breach() {
+        let circle = |frame: &LocalFrame| {
+            vec![corner(MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 20.0, NorthEast::ZERO, frame)]
+        };
+        let mut bench = fenced(circle, 0.0);
+        bench.autopilot.parameters.put(FENCE_MARGIN, 19.0);
+        bench.go_to(NorthEast::new(10.0, 0.0));
+        bench.run_s(20.0);
+        assert!(!bench.autopilot.has_breached_fence(), "the margin is no fence: {:?}", bench.position());
+        assert!(bench.autopilot.arming_obstacles().is_empty());
+        bench.autopilot.parameters.put(FENCE_MARGIN, 21.0);
+        let reason = "Margin is less than inclusion circle radius";
+        assert_eq!(bench.autopilot.arming_obstacles(), [reason]);
+        bench.autopilot.missions.set_items(MissionType::Fence, &[]).unwrap();
+        bench.autopilot.parameters.put(FENCE_RADIUS, 20.5);
+        bench.run_loops(2);
+        assert_eq!(bench.autopilot.arming_obstacles(), ["FENCE_MARGIN is less than FENCE_RADIUS"]);
+        bench.autopilot.parameters.put(FENCE_ENABLE, 0.0);
+        assert!(bench.autopilot.arming_obstacles().is_empty());
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub struct Hull {
     pub wind: Option<WindLoads>,
     /// Motion in waves; `None` when waves do not move the boat.
     pub waves: Option<WaveResponse>,
+    /// Size under water; `None` when the bottom does not slow the boat.
+    pub shallow_water: Option<ShallowWater>,
 }
 
 /// The two kinds of boat the simulator knows.
@@ -174,6 +176,23 @@ pub struct WaveResponse {
     pub roll_factor: f64,
     /// Share of the longitudinal wave slope that appears as pitch.
     pub pitch_factor: f64,
+}
+
+/// What of the hull is under water, for its drag over a near bottom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShallowWater {
+    /// Immersed midship section, m².
+    pub midship_area_m2: f64,
+    /// Draught, m.
+    pub draft_m: f64,
+}
+
+impl ShallowWater {
+    /// The least depth in which the drag is known, m: a keel clearance of a fifth of the draught, below which the
+    /// water is "very shallow" (PIANC 1992), and no more midship section than the depth squared.
+    pub fn least_depth_m(&self) -> f64 {
+        self.midship_area_m2.sqrt().max(1.2 * self.draft_m)
+    }
 }
 
 /// Why a hull was refused.

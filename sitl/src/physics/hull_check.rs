@@ -254,7 +254,7 @@ mod tests {
                 }
             }).collect();
             if let Ok(hull) = Hull::from_toml(&mutated.join("\n")) {
-                let sea = Sea::preset(SeaState::Slight, &hull);
+                let sea = Sea { depth_m: Some(0.5), ..Sea::preset(SeaState::Slight, &hull) };
                 let mut vessel = Vessel::new(hull, &sea, &SensorSettings::perfect(), 1, Pose::default());
                 let command = ActuatorCommand::ThrottleSteering { throttle: 0.8, steering: 0.3 };
                 for _ in 0..500 {

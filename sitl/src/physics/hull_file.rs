@@ -2,8 +2,8 @@
 
 use super::WATER_DENSITY_KGPM3;
 use super::hull::{
-    CrossFlow, Damping, Hull, HullDynamics, HullError, Maneuvering, Motorboat, Propulsion, SteeredDrive,
-    TwinThrusters, WaveResponse, WindLoads,
+    CrossFlow, Damping, Hull, HullDynamics, HullError, Maneuvering, Motorboat, Propulsion, ShallowWater,
+    SteeredDrive, TwinThrusters, WaveResponse, WindLoads,
 };
 use super::hull_check;
 use crate::toml_place::line_of;
@@ -27,6 +27,7 @@ struct HullFile {
     motorboat: Option<MotorboatTable>,
     wind: Option<WindTable>,
     waves: Option<WavesTable>,
+    shallow_water: Option<ShallowWaterTable>,
 }
 
 #[derive(Deserialize)]
@@ -131,6 +132,13 @@ struct WavesTable {
     pitch_factor: f64,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShallowWaterTable {
+    midship_area_m2: f64,
+    draft_m: f64,
+}
+
 /// Parses and validates a hull file.
 pub(super) fn parse(text: &str) -> Result<Hull, HullError> {
     checked(text).map_err(|error| match error {
@@ -153,11 +161,19 @@ fn checked(text: &str) -> Result<Hull, HullError> {
         dynamics: dynamics(&file)?,
         wind: file.wind.as_ref().map(wind).transpose()?,
         waves: file.waves.as_ref().map(waves).transpose()?,
+        shallow_water: file.shallow_water.as_ref().map(shallow_water).transpose()?,
         name: file.name,
         summary: file.summary,
     };
     hull_check::check(&hull)?;
     Ok(hull)
+}
+
+fn shallow_water(table: &ShallowWaterTable) -> Result<ShallowWater, HullError> {
+    Ok(ShallowWater {
+        midship_area_m2: within("shallow_water.midship_area_m2", table.midship_area_m2, 1e-4, 5000.0, "m²")?,
+        draft_m: within("shallow_water.draft_m", table.draft_m, 0.001, 50.0, "m")?,
+    })
 }
 
 fn dynamics(file: &HullFile) -> Result<HullDynamics, HullError> {

@@ -25,6 +25,7 @@ mod hull_file;
 pub(crate) mod random;
 pub mod sea;
 pub mod sensors;
+mod shallow;
 pub mod vessel;
 pub mod waves;
 

@@ -13,6 +13,8 @@ pub struct Sea {
     pub waves: Option<Waves>,
     /// Slow forces without a cause, as the path-following literature has them; see [`Push`].
     pub push: Option<Push>,
+    /// Depth of the water, m; `None` is deep water. Only hulls that say how large they are under water feel it.
+    pub depth_m: Option<f64>,
 }
 
 /// Constant and slowly varying forces on the hull: for the 38 m ship (10, 20 and 30 kN or kN·m) times
@@ -165,6 +167,7 @@ impl Sea {
                 from_deg: PRESET_WAVES_FROM_DEG,
             }),
             push: None,
+            depth_m: None,
         }
     }
 
@@ -231,6 +234,14 @@ impl std::str::FromStr for Waves {
         within("the significant wave height for this period", waves.height_m, 0.0, steepest_m, "m")?;
         Ok(waves)
     }
+}
+
+/// A depth of water in range.
+///
+/// # Errors
+/// It is not between 0.1 and 1000 m.
+pub fn checked_depth_m(depth_m: f64) -> Result<f64, SeaError> {
+    within("the depth of the water", depth_m, 0.1, 1000.0, "m")
 }
 
 /// What a text should have looked like, for the error.

@@ -166,35 +166,47 @@ fn perfect_sensors_report_the_truth_with_the_wave_motion() {
     assert!(truth.wave_motion.north_m != 0.0);
 }
 
-/// Root mean square of the position error and of the heading error over ten minutes.
-fn sensor_errors(name: &str, settings: &SensorSettings, seed: u64) -> (f64, f64) {
+/// Mean and root mean square of the position error, and root mean square of the heading error, over ten minutes.
+fn sensor_errors(name: &str, settings: &SensorSettings, seed: u64) -> (f64, f64, f64) {
     let mut boat = Vessel::new(hull(name), &Sea::default(), settings, seed, Pose::default());
     let command = ActuatorCommand::ThrottleSteering { throttle: 0.6, steering: 0.05 };
-    let (mut position, mut heading) = (0.0, 0.0);
+    let (mut distance, mut position, mut heading) = (0.0, 0.0, 0.0);
     let samples = 6000;
     for _ in 0..samples {
         let truth = run(&mut boat, 0.1, command).hull;
         let estimate = boat.estimate();
-        position += (estimate.north_m - truth.north_m).powi(2) + (estimate.east_m - truth.east_m).powi(2);
+        let error_m = (estimate.north_m - truth.north_m).hypot(estimate.east_m - truth.east_m);
+        distance += error_m;
+        position += error_m.powi(2);
         heading += dynamics::wrap(estimate.psi_rad - truth.psi_rad).powi(2);
     }
-    ((position / f64::from(samples)).sqrt(), (heading / f64::from(samples)).sqrt())
+    let samples = f64::from(samples);
+    (distance / samples, (position / samples).sqrt(), (heading / samples).sqrt())
 }
 
 #[test]
 fn typical_sensors_are_good_to_a_decimetre_and_poor_ones_to_less() {
     for name in ["otter", "monohull38", "motorboat"] {
-        let (typical_m, typical_rad) = sensor_errors(name, &SensorSettings::typical(), 3);
-        let (poor_m, poor_rad) = sensor_errors(name, &SensorSettings::poor(), 3);
+        let (_, typical_m, typical_rad) = sensor_errors(name, &SensorSettings::typical(), 3);
+        let (_, poor_m, poor_rad) = sensor_errors(name, &SensorSettings::poor(), 3);
         println!(
             "{name}: typical {typical_m:.3} m {:.2}°, poor {poor_m:.3} m {:.2}°",
             typical_rad.to_degrees(),
             poor_rad.to_degrees()
         );
-        assert!((0.05..0.2).contains(&typical_m), "{name}: {typical_m} m");
+        assert!((0.1..0.17).contains(&typical_m), "{name}: {typical_m} m");
         assert!((0.3..1.2).contains(&poor_m), "{name}: {poor_m} m");
         assert!(typical_rad.to_degrees() < 1.0 && poor_rad.to_degrees() < 2.5, "{name}");
     }
+}
+
+/// ArduRover 4.6 on ArduPilot's own simulator lies 0.10 to 0.12 m off in the mean over a mission.
+#[test]
+fn typical_sensors_err_on_the_motorboat_as_ardupilots_simulator() {
+    let means = [1, 2, 3, 4, 5].map(|seed| sensor_errors("motorboat", &SensorSettings::typical(), seed).0);
+    let mean_m = means.iter().sum::<f64>() / 5.0;
+    println!("motorboat: mean position error {mean_m:.3} m, by seed {means:.3?}");
+    assert!((0.09..0.14).contains(&mean_m), "{means:?}");
 }
 
 #[test]

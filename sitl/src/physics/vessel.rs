@@ -8,6 +8,7 @@ use super::faults::{FaultyBoat, VesselFaults};
 use super::hull::{Hull, HullDynamics};
 use super::sea::Sea;
 use super::sensors::{Estimate, SensorSettings, Sensors, TrueMotion};
+use super::shallow::Shoal;
 use super::waves::WaveMotion;
 
 /// Longest step the equations are integrated with, s; [`Vessel::step`] divides longer spans.
@@ -62,6 +63,8 @@ pub struct Vessel {
     actuators: ActuatorState,
     conditions: Conditions,
     moored: bool,
+    /// The bottom, where it is near enough to matter.
+    shoal: Option<Shoal>,
     faulty: FaultyBoat,
     seed: u64,
 }
@@ -86,6 +89,7 @@ impl Vessel {
             sees_waves,
             sensors: Sensors::new(sensors, hull.length_m, seed, &motion),
             actuators: ActuatorState::at_rest(&hull.dynamics),
+            shoal: shoal(sea, &hull),
             hull,
             environment,
             time_s: 0.0,
@@ -128,6 +132,8 @@ impl Vessel {
                     let (moved, thrust) = actuators::step(propulsion, self.actuators, command, u_r_mps, dt_s);
                     self.actuators = moved;
                     let force = thrust + self.conditions.force;
+                    let slowed = self.shoal.map(|shoal| shoal.slowed(hull, u_r_mps));
+                    let hull = slowed.as_ref().unwrap_or(hull);
                     step_maneuvering(hull, self.state, self.bow, force, current, dt_s)
                 }
                 HullDynamics::Motorboat(boat) => {
@@ -176,6 +182,7 @@ impl Vessel {
     /// Changes the sea from now on. What stays the same goes on as it was: the randomness of a part starts
     /// anew only where its mean has changed.
     pub fn set_sea(&mut self, sea: &Sea) {
+        self.shoal = shoal(sea, &self.hull);
         self.environment.change(sea, &self.hull, self.seed);
         self.conditions = self.environment.step(0.0, &self.state, self.bow);
     }
@@ -209,6 +216,11 @@ impl Vessel {
     pub fn time_s(&self) -> f64 {
         self.time_s
     }
+}
+
+/// The bottom under a hull that feels it.
+fn shoal(sea: &Sea, hull: &Hull) -> Option<Shoal> {
+    sea.depth_m.zip(hull.shallow_water).map(|(depth_m, size)| Shoal::new(&size, depth_m))
 }
 
 /// The same place with no speed through the water.

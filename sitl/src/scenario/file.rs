@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::expectation::{Expectation, Quantity, Test, Window};
 use super::{Event, Happening, Scenario, ScenarioClock, ScenarioWorld};
 use crate::autopilot::mode_number;
+use crate::physics::sea::checked_depth_m;
 use crate::physics::{Hull, SeaState, SensorSettings};
 use crate::toml_place::{in_words, line_of};
 
@@ -54,6 +55,7 @@ struct WorldTable {
     current: Option<String>,
     wind: Option<String>,
     waves: Option<String>,
+    depth_m: Option<f64>,
     sensors: Option<String>,
     seed: Option<u64>,
     home: Option<String>,
@@ -70,6 +72,7 @@ struct EventTable {
     current: Option<String>,
     wind: Option<String>,
     waves: Option<String>,
+    depth_m: Option<f64>,
     parameter: Option<String>,
     action: Option<String>,
 }
@@ -99,6 +102,10 @@ impl Source<'_> {
             return Ok(Duration::from_secs_f64(value));
         }
         Err(self.wrong(key, format!("{value} must be between 0 and {LONGEST_S} s")))
+    }
+
+    fn depth_m(&self, key: &str, depth_m: f64) -> Result<f64, ScenarioError> {
+        checked_depth_m(depth_m).map_err(|error| self.wrong(key, error))
     }
 
     fn text<T: std::str::FromStr<Err: ToString>>(&self, key: &str, text: &str) -> Result<T, ScenarioError> {
@@ -152,8 +159,9 @@ fn world(source: &Source<'_>, table: WorldTable) -> Result<ScenarioWorld, Scenar
     check("wind", &table.wind, parses::<crate::physics::sea::Wind>)?;
     check("waves", &table.waves, parses::<crate::physics::sea::Waves>)?;
     check("sensors", &table.sensors, parses::<SensorSettings>)?;
-    let WorldTable { boat, sea, current, wind, waves, sensors, seed, home, mission } = table;
-    Ok(ScenarioWorld { boat, sea, current, wind, waves, sensors, seed, home, mission })
+    let depth_m = table.depth_m.map(|depth_m| source.depth_m("world.depth_m", depth_m)).transpose()?;
+    let WorldTable { boat, sea, current, wind, waves, depth_m: _, sensors, seed, home, mission } = table;
+    Ok(ScenarioWorld { boat, sea, current, wind, waves, depth_m, sensors, seed, home, mission })
 }
 
 fn event(source: &Source<'_>, key: &str, table: &EventTable) -> Result<Vec<Event>, ScenarioError> {
@@ -173,6 +181,9 @@ fn event(source: &Source<'_>, key: &str, table: &EventTable) -> Result<Vec<Event
     }
     if let Some(text) = &table.waves {
         happen(Happening::Waves(source.text(&sub("waves"), text)?));
+    }
+    if let Some(depth_m) = table.depth_m {
+        happen(Happening::DepthM(source.depth_m(&sub("depth_m"), depth_m)?));
     }
     if let Some(text) = &table.parameter {
         happen(parameter(text).map_err(|cause| source.wrong(&sub("parameter"), cause))?);
@@ -195,7 +206,7 @@ fn event(source: &Source<'_>, key: &str, table: &EventTable) -> Result<Vec<Event
         return Err(source.wrong(&sub("until_s"), "only a fault has an end"));
     }
     if events.is_empty() {
-        let kinds = "fault, sea, current, wind, waves, parameter or action";
+        let kinds = "fault, sea, current, wind, waves, depth_m, parameter or action";
         return Err(source.wrong(key, format!("nothing happens: give one of {kinds}")));
     }
     Ok(events)

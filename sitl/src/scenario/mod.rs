@@ -60,6 +60,8 @@ pub struct ScenarioWorld {
     pub wind: Option<String>,
     /// The waves, `HS:TP@FROM`.
     pub waves: Option<String>,
+    /// Depth of the water, m.
+    pub depth_m: Option<f64>,
     /// The sensors.
     pub sensors: Option<String>,
     /// Seed of everything random.
@@ -85,6 +87,7 @@ pub(crate) enum Happening {
     Current(Current),
     Wind(Wind),
     Waves(Waves),
+    DepthM(f64),
     Parameter { name: String, value: f32 },
     Arm,
     Disarm,

@@ -90,10 +90,11 @@ impl Play {
 fn happen(boat: &mut impl Stage, what: &Happening) {
     let mut sea = *boat.sea();
     match what {
-        Happening::Sea(state) => sea = Sea::preset(*state, boat.hull()),
+        Happening::Sea(state) => sea = Sea { depth_m: sea.depth_m, ..Sea::preset(*state, boat.hull()) },
         Happening::Current(current) => sea.current = Some(*current),
         Happening::Wind(wind) => sea.wind = Some(*wind),
         Happening::Waves(waves) => sea.waves = Some(*waves),
+        Happening::DepthM(depth_m) => sea.depth_m = Some(*depth_m),
         other => boat.happen(other),
     }
     if sea != *boat.sea() {
@@ -132,7 +133,11 @@ impl Stage for Sitl {
             }
             Happening::Disarm => self.autopilot.disarm(),
             Happening::Mode(number) => self.autopilot.order_mode(*number),
-            Happening::Sea(_) | Happening::Current(_) | Happening::Wind(_) | Happening::Waves(_) => {}
+            Happening::Sea(_)
+            | Happening::Current(_)
+            | Happening::Wind(_)
+            | Happening::Waves(_)
+            | Happening::DepthM(_) => {}
         }
     }
 

@@ -154,3 +154,25 @@ fn a_scenario_that_does_not_fit_the_boat_is_refused() {
         assert!(refused.to_string().contains(hint), "{refused}");
     }
 }
+
+#[test]
+fn a_depth_is_checked_with_its_line_and_put_in_place() {
+    let with = |world: &str, event: &str| {
+        Scenario::from_toml(&format!(
+            "name = \"bank\"\nduration_s = 5\n[world]\n{world}\n[[event]]\nat_s = 1\n{event}\n"
+        ))
+    };
+    let message = with("depth_m = 0", "depth_m = 2").unwrap_err().to_string();
+    assert!(message.contains("`world.depth_m` (line 4)") && message.contains("0.1 and 1000 m"), "{message}");
+    let message = with("depth_m = 3", "depth_m = nan").unwrap_err().to_string();
+    assert!(
+        message.contains("`event.0.depth_m` (line 7)") && message.contains("0.1 and 1000 m"),
+        "{message}"
+    );
+    let scenario = with("depth_m = 3", "depth_m = 0.5").unwrap();
+    assert_eq!(scenario.world.depth_m, Some(3.0));
+    let mut boat = boat(&scenario);
+    boat.play(scenario).unwrap();
+    boat.advance(Duration::from_secs(2));
+    assert_eq!(boat.sea().depth_m, Some(0.5));
+}
