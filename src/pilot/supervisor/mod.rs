@@ -222,7 +222,11 @@ impl Supervisor {
         match conditions.lack(&self.policy.limits) {
             Some(lack) => self.enter(now_s, State::Waiting(lack), Reason::Lacking(lack)),
             None if self.policy.shadow => self.enter(now_s, State::Shadow, Reason::AllThere),
-            None => self.enter(now_s, State::Ready, Reason::AllThere),
+            None => {
+                let unarmed = self.waiting_request && !conditions.armed && !self.policy.may_arm;
+                let reason = if unarmed { Reason::UntilArmed } else { Reason::AllThere };
+                self.enter(now_s, State::Ready, reason);
+            }
         }
     }
 

@@ -31,6 +31,8 @@ pub enum Reason {
     Lacking(Lack),
     /// Everything needed is there.
     AllThere,
+    /// Everything needed is there, and the bridge was told to drive, but somebody else has to arm the boat.
+    UntilArmed,
     /// A command, a mode or the user's flag said so.
     ToldTo,
     /// Mode and motors are as they must be.
@@ -91,6 +93,7 @@ impl fmt::Display for Reason {
         match self {
             Self::Lacking(lack) => lack.fmt(f),
             Self::AllThere => f.write_str("vehicle, mission and position are there"),
+            Self::UntilArmed => f.write_str("drives as soon as the boat is armed: arm it, or allow --arm"),
             Self::ToldTo => f.write_str("told to engage"),
             Self::InControl => f.write_str("mode and motors are ready"),
             Self::PilotTookOver(mode) => write!(f, "the pilot took over ({mode})"),

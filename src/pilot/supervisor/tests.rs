@@ -191,6 +191,18 @@ fn arms_only_where_allowed() {
 }
 
 #[test]
+fn says_that_it_waits_for_the_boat_to_be_armed() {
+    let disarmed = Conditions { armed: false, ..good() };
+    for (may_arm, reason) in [(false, Reason::UntilArmed), (true, Reason::AllThere)] {
+        let mut supervisor = Supervisor::new(Policy { may_arm, ..GUIDED_BY_PILOT });
+        supervisor.request(0.0, Request::Engage { patient: true }, &disarmed).unwrap();
+        supervisor.update(0.0, &disarmed);
+        let told = std::iter::from_fn(|| supervisor.poll_transition()).last().unwrap();
+        assert_eq!((told.to, told.reason), (State::Ready, reason));
+    }
+}
+
+#[test]
 fn a_chosen_mode_engages_only_when_it_is_chosen() {
     let policy = Policy { drive_mode: Mode::GUIDED, engage_mode: Some(Mode::GUIDED), ..GUIDED_BY_PILOT };
     let guided = Conditions { mode: Some(Mode::GUIDED), ..good() };
