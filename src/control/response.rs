@@ -93,6 +93,9 @@ pub struct YawResponse {
     damping: [f64; 3],
     filter_s: f64,
     memory_s: f64,
+    /// What one bin moves the low-pass by, and what it leaves of the old samples' weight.
+    filter_gain: f64,
+    keep: f64,
     last: Option<WaterMotion>,
     /// The bin being filled: time, and the sums of moment, yaw rate, damping and coupling over it.
     filled_s: f64,
@@ -120,12 +123,15 @@ impl YawResponse {
         let yaw_s = hull.m33_kgm2 / hull.yaw_damping[0].max(f64::MIN_POSITIVE);
         let (least_s, most_s) = FILTER_RANGE_S;
         let memory_s = (MEMORY_PART * yaw_s).clamp(LEAST_MEMORY_S, 10.0 * LEAST_MEMORY_S);
+        let filter_s = (FILTER_PART * yaw_s).clamp(least_s, most_s);
         Self {
             inertia_kgm2: hull.m33_kgm2,
             munk_kg: hull.m11_kg - hull.m22_kg,
             damping: hull.yaw_damping,
-            filter_s: (FILTER_PART * yaw_s).clamp(least_s, most_s),
+            filter_s,
             memory_s,
+            filter_gain: -(-BIN_S / filter_s).exp_m1(),
+            keep: (-BIN_S / memory_s).exp(),
             last: None,
             filled_s: 0.0,
             sums: Vector4::zeros(),
@@ -183,7 +189,7 @@ impl YawResponse {
         let scale = 1.0 / self.inertia_kgm2;
         let mean = Vector4::new(mean[0] * scale, mean[1], mean[2] * scale, mean[3] * scale);
         let before = self.slow;
-        self.slow += (mean - before) * -(-BIN_S / self.filter_s).exp_m1();
+        self.slow += (mean - before) * self.filter_gain;
         let middle = (before + self.slow) * 0.5;
         let acceleration = (self.slow[1] - before[1]) / BIN_S;
 
@@ -202,14 +208,15 @@ impl YawResponse {
     }
 
     fn learn(&mut self, acceleration: f64, middle: &Vector4<f64>) {
-        let keep = (-BIN_S / self.memory_s).exp();
+        let keep = self.keep;
         self.weight = keep * self.weight + 1.0;
         self.square = keep * self.square + acceleration * acceleration;
         let seen = Vector3::new(middle[2], middle[3], 1.0);
         self.squares = self.squares * keep + seen * seen.transpose();
         self.products = self.products * keep + seen * acceleration;
-        for (lag, fit) in self.fits.iter_mut().enumerate() {
-            let moment = self.moments[(self.newest + LAGS - lag) % LAGS];
+        let (newer, older) = self.moments.split_at(self.newest + 1);
+        let newest_first = newer.iter().rev().chain(older.iter().rev());
+        for (fit, &moment) in self.fits.iter_mut().zip(newest_first) {
             fit.squares = fit.squares * keep + Vector4::new(moment, seen[0], seen[1], seen[2]) * moment;
             fit.product = fit.product * keep + moment * acceleration;
         }
