@@ -19,6 +19,9 @@ proptest! {
     ) {
         let path = bent_path();
         let start = state(path.point(along_m).position + at(north, east), heading);
+        // Nearer to the centre of a bend the foot's speed is limited, and the aim is not the ship's.
+        let foot = project(&path, start.position, along_m);
+        prop_assume!(1.0 - foot.foot.curvature_radpm * foot.cross_track_m > 0.35);
         let mut guidance = guidance();
         guidance.engage(&start, along_m);
         let mut look = |time_s: f64| {
@@ -31,8 +34,12 @@ proptest! {
         let fed = seen[1].heading_rate_radps;
         // Where the blend's aim passes through zero no direction has a derivative.
         prop_assume!(fed.abs() < 5.0 && (seen[2].lead_m - seen[0].lead_m).abs() < 10.0 * H_S);
-        let measured = ssa(seen[2].heading_rad - seen[0].heading_rad) / (2.0 * H_S);
-        prop_assert!((measured - fed).abs() < 5.0e-3 * (1.0 + measured.powi(2)), "{measured} {fed}");
+        // Where the path's curvature or the blend sets in, the aim turns differently before and after: either is right.
+        let before = ssa(seen[1].heading_rad - seen[0].heading_rad) / H_S;
+        let after = ssa(seen[2].heading_rad - seen[1].heading_rad) / H_S;
+        let tolerance = 5.0e-3 * (1.0 + before.powi(2).max(after.powi(2)));
+        let between = before.min(after) - tolerance..before.max(after) + tolerance;
+        prop_assert!(between.contains(&fed), "{before} {fed} {after}");
     }
 
     #[test]
