@@ -144,8 +144,9 @@ mod tests {
             let (pulse_us, read) = channel.pulse(value);
             let found = firmware_reads(&channel, pulse_us);
             prop_assert!((found - read).abs() < 1e-9, "{pulse_us} us: {found} instead of {read}");
-            // A step, or a microsecond where that is coarser.
-            let coarse = 1.0 / channel.steps.min(f64::from(max - trim - dead).min(f64::from(trim - dead - min)));
+            // Half a step of rounding, and then a step, or a microsecond where that is coarser.
+            let coarse = 0.5 / channel.steps
+                + 1.0 / channel.steps.min(f64::from(max - trim - dead).min(f64::from(trim - dead - min)));
             prop_assert!((found - value).abs() <= coarse + 1e-9, "{found} for {value}");
             let (stick, _) = channel.stick(value);
             let pulse = min + (u32::from(max - min) as f64 * (f64::from(stick) + 1000.0) / 2000.0) as u16;
