@@ -182,7 +182,11 @@ fn a_recorded_track_is_driven_again_on_a_boat_that_is_armed_only_when_told() {
     assert_eq!(refused.status.code(), Some(2), "{}", complaint(&refused));
     assert!(complaint(&refused).contains("replace the mission of the boat"), "{}", complaint(&refused));
 
-    let patient = support::Helmlink::start(&[&drive[..], &["--yes-send"]].concat());
+    // A boat file of one's own, by a name that no boat of Helmlink has: it is the one that drives.
+    let own = include_str!("../src/control/boats/otter.toml").replace("name = \"otter\"", "name = \"ours\"");
+    std::fs::write(folder.file("ours.toml"), own).unwrap();
+    let boat_file = folder.file("ours.toml");
+    let patient = support::Helmlink::start(&[&drive[..], &["--yes-send", "--boat", &boat_file]].concat());
     patient.wait_for_line("on board and compared");
     patient.wait_for_line("arm the boat");
     patient.wait_for_line("ready, not driving");

@@ -6,9 +6,9 @@ use helmlink_mission::geodesy::Geodetic;
 use helmlink_sitl::ardupilot::{ArduPilotPhysics, PacketKind};
 use tokio::net::UdpSocket;
 
-use super::bridge::interrupted;
 use super::console;
 use super::failure::Failure;
+use super::interrupt::interrupted;
 use super::scenario;
 use super::world::World;
 

@@ -1,6 +1,6 @@
 //! `helmlink boat`: a boat file by rule, for a boat about which little is known.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -17,17 +17,20 @@ use crate::control::boat::derived::Particulars;
 /// A file that cannot be read or used, or a name that is none.
 pub(super) fn load(boat: &str) -> Result<Boat, Failure> {
     if !is_file(boat) {
-        return Boat::embedded(boat).map_err(|error| {
-            Failure::usage(format!("--boat: {error}, or give a boat file as `helmlink boat` writes it"))
-        });
+        return by_name(boat).map_err(Failure::usage);
     }
-    let text = trial::read(std::path::Path::new(boat), "--boat")?;
-    Boat::from_toml(&text).map_err(|error| Failure::usage(format!("--boat {boat}: {error}")))
+    let text = trial::read(Path::new(boat), "boat file")?;
+    Boat::from_toml(&text).map_err(|error| Failure::usage(format!("{boat}: {error}")))
+}
+
+/// One that comes with Helmlink.
+pub(super) fn by_name(name: &str) -> Result<Boat, String> {
+    Boat::embedded(name).map_err(|error| format!("{error}, or give a boat file as `helmlink boat` writes it"))
 }
 
 /// Whether this is meant to be the name of a file rather than of a boat.
 pub(super) fn is_file(boat: &str) -> bool {
-    boat.contains(['.', '/', '\\'])
+    boat.contains(['.', '/', '\\']) || (Boat::names().all(|name| name != boat) && Path::new(boat).is_file())
 }
 
 /// `helmlink boat`.

@@ -27,12 +27,14 @@ use super::console;
 use super::edge::{self, Edge, Seen, unless_it_panics};
 use super::failure::Failure;
 use super::guarded::Guarded;
-pub(super) use super::interrupt::interrupted;
+use super::interrupt::interrupted;
 use super::mission;
 use super::ranges::{self, number_in};
 use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
-use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
+use super::trial;
+use crate::bridge::{Bridge, BridgeSettings, LEAST_SPEED_MPS, MissionSource, TICK};
+use crate::control::Boat;
 use crate::link::LinkUrl;
 use crate::pilot::failsafe::{FailsafeOption, FailsafeSettings};
 use crate::pilot::supervisor::{Request, State};
@@ -134,14 +136,17 @@ const LONGEST_WAIT_S: f64 = 86_400.0;
 const RATES_HZ: RangeInclusive<f64> = 2.0..=50.0;
 /// Speeds of any boat, m/s; each has its own limit below that.
 const SPEEDS_MPS: RangeInclusive<f64> = LEAST_SPEED_MPS..=100.0;
-/// Nobody drives slower than this, m/s.
-const LEAST_SPEED_MPS: f64 = 0.1;
 
 pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
+    run_for(args, boat::load(&args.boat)?)
+}
+
+/// Runs with this boat, whatever the options call it.
+pub(super) fn run_for(args: &BridgeArgs, boat: Boat) -> Result<(), Failure> {
     let url = args.connect.clone().ok_or_else(|| {
         Failure::usage("say where the flight controller is: --connect tcp:HOST:PORT, udpin:…, udpout:… or serial:DEVICE:BAUD")
     })?;
-    let mut settings = settings(args)?;
+    let mut settings = settings(args, boat)?;
     let memory = remember(args, &url, &mut settings)?;
     let signing = args.links.signing(&args.state)?;
     edge::block_on_task(drive(args.clone(), url, settings, memory, signing))?
@@ -165,17 +170,8 @@ fn remember(
 }
 
 /// The settings that the options ask for.
-fn settings(args: &BridgeArgs) -> Result<BridgeSettings, Failure> {
-    let boat = boat::load(&args.boat)?;
-    let speed_range = LEAST_SPEED_MPS..=boat.limits.speed_max_mps;
-    if args.speed.is_some_and(|speed| !speed_range.contains(&speed)) {
-        return Err(Failure::usage(format!(
-            "--speed must lie between {} and {} m/s for boat {}",
-            speed_range.start(),
-            speed_range.end(),
-            boat.name
-        )));
-    }
+fn settings(args: &BridgeArgs, boat: Boat) -> Result<BridgeSettings, Failure> {
+    trial::check_speed(args.speed, &boat)?;
     let mission = match args.mission.as_str() {
         "vehicle" if args.shadow => {
             return Err(Failure::usage(

@@ -9,12 +9,12 @@ use std::time::Duration;
 use clap::Args;
 use helmlink_sitl::Sitl;
 
-use super::bridge::interrupted;
 use super::cli::Common;
 use super::console::{self, ProgressLine};
 use super::edge::Edge;
 use super::failure::Failure;
 use super::ground_station::GroundStation;
+use super::interrupt::interrupted;
 use super::log_report::PAGE;
 use super::mission::{self, Drivable};
 use super::paced_sitl::{self, PacedSitl};

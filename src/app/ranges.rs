@@ -4,8 +4,6 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use crate::control::Boat;
-
 /// Reads a number within `range`; `what` says what the numbers are, for the complaint.
 pub(super) fn number_in(
     range: RangeInclusive<f64>,
@@ -22,9 +20,7 @@ pub(super) fn boat(name: &str) -> Result<String, String> {
     if super::boat::is_file(name) {
         return Ok(name.to_owned());
     }
-    Boat::embedded(name)
-        .map(|_| name.to_owned())
-        .map_err(|error| format!("{error}, or give a boat file as `helmlink boat` writes it"))
+    super::boat::by_name(name).map(|_| name.to_owned())
 }
 
 #[cfg(test)]

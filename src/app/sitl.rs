@@ -12,11 +12,11 @@ use helmlink_sitl::{AutopilotSettings, Sitl, SitlSettings, StartUp};
 use helmlink_wire::signing::{SigningKey, Timestamp};
 
 use super::ardupilot_json;
-use super::bridge::interrupted;
 use super::cli::Common;
 use super::console;
 use super::edge::{Edge, Seen};
 use super::failure::Failure;
+use super::interrupt::interrupted;
 use super::mission;
 use super::paced_sitl::{self, PacedSitl};
 use super::parameter_file::{self, ParameterFile};

@@ -8,6 +8,7 @@ use super::failure::Failure;
 use super::mission::Drivable;
 use super::sitl;
 use super::world::World;
+use crate::bridge::LEAST_SPEED_MPS;
 use crate::control::{Boat, Controller, gains};
 use crate::simulation::{Scenario, Trial};
 use crate::vehicle::OutputKind;
@@ -111,13 +112,13 @@ pub(super) fn set_scenario(trial: &mut Trial, scenario: Scenario) {
 /// # Errors
 /// A speed that the boat cannot run.
 pub(super) fn check_speed(speed_mps: Option<f64>, boat: &Boat) -> Result<(), Failure> {
-    let range = 0.1..=boat.limits.speed_max_mps;
+    let range = LEAST_SPEED_MPS..=boat.limits.speed_max_mps;
     match speed_mps {
         Some(speed) if !range.contains(&speed) => Err(Failure::usage(format!(
-            "--speed {speed}: boat {} can be asked for {} to {} m/s",
-            boat.name,
+            "--speed {speed}: it must lie between {} and {} m/s for boat {}",
             range.start(),
-            range.end()
+            range.end(),
+            boat.name
         ))),
         _ => Ok(()),
     }

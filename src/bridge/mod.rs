@@ -89,7 +89,7 @@ const REQUEST_REPEAT: Duration = Duration::from_millis(700);
 /// datagram's sender has changed its port, or a modem its address. Sooner than its silence ends a drive.
 const MOVE_AFTER_S: f64 = 1.0;
 /// Nobody drives slower than this, m/s.
-const LEAST_SPEED_MPS: f64 = 0.1;
+pub(crate) const LEAST_SPEED_MPS: f64 = 0.1;
 /// Changes of state that nobody has taken beyond this number are dropped.
 const CHANGE_LIMIT: usize = 100;
 /// Events that nobody has taken beyond this number are dropped.

@@ -25,7 +25,7 @@ Ends with exit code 0 when the mission can be driven, 1 when something about it 
 pub struct CheckArgs {
     /// The mission file: .waypoints, .plan, .geojson, .gpx, .kml, .kmz or .csv
     pub mission: PathBuf,
-    /// The boat: otter, monohull38, skiff or motorboat
+    /// The boat: a name (otter, monohull38, skiff, motorboat), or a boat file
     #[arg(long, default_value = "otter")]
     pub boat: String,
     /// Speed over ground where the mission gives none, m/s; the boat's cruising speed if not given

@@ -36,7 +36,7 @@ pub struct ShowArgs {
     /// Columns to draw in
     #[arg(long, default_value_t = 78, value_name = "N", value_parser = clap::value_parser!(u16).range(20..=400))]
     pub width: u16,
-    /// The boat whose turns are drawn: otter, monohull38, skiff or motorboat
+    /// The boat whose turns are drawn: a name (otter, monohull38, skiff, motorboat), or a boat file
     #[arg(long, default_value = "otter")]
     pub boat: String,
     /// Speed over ground where the mission gives none, m/s; the boat's cruising speed if not given

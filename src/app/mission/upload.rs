@@ -35,7 +35,7 @@ pub struct UploadArgs {
     /// Send only the mission, not the fence and the rally points in the file
     #[arg(long)]
     pub mission_only: bool,
-    /// The boat that the mission is checked for: otter, monohull38, skiff or motorboat
+    /// The boat that the mission is checked for: a name (otter, monohull38, skiff, motorboat), or a boat file
     #[arg(long, default_value = "otter")]
     pub boat: String,
     /// Speed over ground where the mission gives none, for the check, m/s; the boat's cruising speed if not given

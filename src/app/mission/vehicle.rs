@@ -10,12 +10,12 @@ use helmlink_mission::protocol::client::{Download, Exchange, Progress, TransferE
 use helmlink_wire::enums::{self, MAV_MISSION_DENIED, MAV_MISSION_OPERATION_CANCELLED};
 use helmlink_wire::{Identity, LinkId, Message};
 
-use super::super::bridge::interrupted;
 use super::super::cli::Common;
 use super::super::client::{Client, OWN};
 use super::super::console::ProgressLine;
 use super::super::edge::{Edge, Party};
 use super::super::failure::Failure;
+use super::super::interrupt::interrupted;
 use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::vehicle::Mode;
 use crate::vehicle::telemetry::{Sender, classify};

@@ -87,14 +87,7 @@ fn on_a_boat(
     let (url, wait, gcs) =
         (url.to_string(), args.wait.to_string(), settings.ground_station_system.to_string());
     let mut arguments = vec!["replay", "--connect", &url, "--wait", &wait, "--gcs-system", &gcs];
-    arguments.extend([
-        "--boat",
-        &settings.boat.name,
-        "--output",
-        settings.output.as_str(),
-        "--engage",
-        "--once",
-    ]);
+    arguments.extend(["--output", settings.output.as_str(), "--engage", "--once"]);
     if args.arm {
         arguments.push("--arm");
     } else {
@@ -102,7 +95,8 @@ fn on_a_boat(
     }
     let mut driving = Driving::try_parse_from(arguments).map_err(Failure::failed)?.bridge;
     driving.common = args.common.clone();
-    bridge::run(&driving)
+    // The boat itself: by its name alone, the gains of a file or of the recording would be lost.
+    bridge::run_for(&driving, settings.boat.clone())
 }
 
 fn in_the_simulator(args: &ReplayArgs, settings: WhatIfSettings, drivable: Drivable) -> Result<(), Failure> {

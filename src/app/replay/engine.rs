@@ -6,7 +6,7 @@ use std::time::Instant;
 use helmlink_mission::plan::Mission;
 
 use super::{Failure, LogFiles};
-use crate::app::mission;
+use crate::app::{boat, mission};
 use crate::bridge::MissionSource;
 use crate::control::{Boat, Controller};
 use crate::replay::explain::explain;
@@ -86,7 +86,7 @@ impl Engine {
     ) -> Result<WhatIfSettings, Failure> {
         let recorded = self.scan.header.as_ref().map(|header| header.settings.clone());
         let boat = match (wishes.boat, &recorded) {
-            (Some(name), _) => load_boat(name)?,
+            (Some(name), _) => boat::load(name)?,
             (None, Some(settings)) => settings.boat.clone(),
             (None, None) => self.guessed_boat()?,
         };
@@ -170,25 +170,8 @@ impl Engine {
             ("otter", "the log does not say which boat it is")
         };
         self.notes.push(format!("boat {name}: {why} (--boat chooses another)"));
-        load_boat(name)
+        boat::load(name)
     }
-}
-
-/// A boat by name or from a file.
-pub(in crate::app) fn load_boat(name: &str) -> Result<Boat, Failure> {
-    let path = Path::new(name);
-    if !path.is_file() {
-        return Boat::embedded(name).map_err(|error| {
-            Failure::usage(if name.contains(['.', '/']) {
-                format!("{name} is not there: {error}")
-            } else {
-                error.to_string()
-            })
-        });
-    }
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))?;
-    Boat::from_toml(&text).map_err(|error| Failure::usage(format!("{name}: {error}")))
 }
 
 /// The picture and the files of the user.

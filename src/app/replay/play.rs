@@ -8,10 +8,10 @@ use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 use super::log_files::Joined;
 use super::{LogFiles, ReplayArgs};
-use crate::app::bridge::interrupted;
 use crate::app::console::{self, ProgressLine};
 use crate::app::edge::{Edge, Party, Seen};
 use crate::app::failure::Failure;
+use crate::app::interrupt::interrupted;
 use crate::app::recorder::unix_time_us;
 use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::replay::play::{PlayFilter, PlaySettings, Player, message_id};
