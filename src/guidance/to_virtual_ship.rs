@@ -10,7 +10,7 @@ use helmlink_mission::geodesy::NorthEast;
 use super::azimuth::azimuth;
 use super::progress::{foot_speed_mps, project};
 use super::speed::SpeedLimits;
-use super::virtual_ship::VirtualShip;
+use super::virtual_ship::{MOST_SPEED_PART, VirtualShip};
 use super::{EndOfPath, Guidance, GuidanceInput, GuidanceSettings, Reference, VesselState};
 use crate::control::Limits;
 
@@ -18,8 +18,6 @@ use crate::control::Limits;
 const NEAR_PART: f64 = 0.3;
 /// Least cosine of the heading error that is divided by; below it speed gives way to turning.
 const LEAST_COSINE: f64 = 0.5;
-/// The virtual ship counts as no faster than this many times the speed wanted.
-const MOST_SPEED_PART: f64 = 1.5;
 
 /// The paper's guidance law.
 #[derive(Debug, Clone)]

@@ -10,7 +10,7 @@ const LEAST_LEAD_PART: f64 = 0.8;
 /// Longest lead, as a part of the wanted one.
 const MOST_LEAD_PART: f64 = 1.6;
 /// The virtual ship never runs faster than this many times the wanted speed.
-const MOST_SPEED_PART: f64 = 1.5;
+pub(super) const MOST_SPEED_PART: f64 = 1.5;
 
 /// The virtual ship's place and speed.
 #[derive(Debug, Clone, Copy, Default)]

@@ -43,7 +43,7 @@ impl<R: Read> TlogReader<R> {
         self
     }
 
-    /// The next record with a verified frame; `None` at the end of the log.
+    /// The next record, its frame verified unless [`Self::with_unknown`] was called; `None` at the end of the log.
     ///
     /// # Errors
     /// Those of the source. Nothing is lost by one: call again to go on.
