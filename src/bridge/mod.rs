@@ -71,6 +71,7 @@ use self::parameters::service::ParameterService;
 use self::reporting::Reporter;
 use self::steering::Steering;
 use self::timesync::TimeSync;
+use crate::control::Helm;
 use crate::control::response::DelayChoice;
 use crate::pilot::MissionRun;
 use crate::pilot::failsafe::Watch;
@@ -337,6 +338,7 @@ impl Bridge {
 
     /// The bridge at this instant.
     pub fn status(&self) -> Status {
+        let helm = self.run.as_ref().map(MissionRun::helm);
         Status {
             state: self.supervisor.state(),
             reason: self.reason,
@@ -349,8 +351,9 @@ impl Bridge {
             steps: self.steering.steps,
             pace: self.steering.pace,
             round_trip_s: self.timesync.round_trip().map(|trip| trip.as_secs_f64()),
-            answer_delay: self.run.as_ref().and_then(|run| run.helm().measured_delay()),
-            delay_s: self.run.as_ref().map_or(0.0, |run| run.helm().delay_s()),
+            answer_delay: helm.and_then(Helm::measured_delay),
+            compass: helm.map(Helm::compass_error),
+            delay_s: helm.map_or(0.0, Helm::delay_s),
         }
     }
 

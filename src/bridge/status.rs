@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::control::Diagnostics;
 use crate::control::response::MeasuredDelay;
+use crate::control::sensor_bias::CompassError;
 use crate::pilot::Progress;
 use crate::pilot::supervisor::{Reason, State};
 use crate::vehicle::Mode;
@@ -57,6 +58,8 @@ pub struct Status {
     pub round_trip_s: Option<f64>,
     /// The control loop's delay as the boat's answer to its steering shows it, once it has answered clearly enough.
     pub answer_delay: Option<MeasuredDelay>,
+    /// What the compass is off by, as far as turns in a current have told; none without a mission.
+    pub compass: Option<CompassError>,
     /// The delay that the controller predicts across, seconds of the vehicle's time.
     pub delay_s: f64,
     /// How evenly the steering frames go out.

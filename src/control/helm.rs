@@ -176,13 +176,6 @@ impl Helm {
         self.response.delay()
     }
 
-    /// What the velocity of the telemetry is off by, toward bow and starboard, m/s; it is taken out of the state where the
-    /// controller has an observer.
-    #[must_use]
-    pub fn velocity_offset_mps(&self) -> [f64; 2] {
-        self.velocity_offset.offset_mps()
-    }
-
     /// What the compass is off by, as far as turns in a current have told.
     #[must_use]
     pub fn compass_error(&self) -> CompassError {

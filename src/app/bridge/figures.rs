@@ -82,6 +82,14 @@ fn loop_times(page: &mut Page, bridge: &Bridge, lateness: &Lateness) {
         delays.with(&[("of", "answer_deviation")], answer.deviation_s);
     }
     delays.with(&[("of", "prediction")], status.delay_s);
+    if let Some(compass) = status.compass {
+        let mut error = page.gauge(
+            "helmlink_compass_error_radians",
+            "What the heading is too large by, and how well that is known. It is not used for steering.",
+        );
+        error.with(&[("of", "offset")], compass.offset_rad);
+        error.with(&[("of", "deviation")], compass.deviation_rad);
+    }
     let mut quantiles = |name, help, times: Option<Quantiles>| {
         let Some(times) = times else { return };
         let mut family = page.gauge(name, help);
