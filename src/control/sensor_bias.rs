@@ -39,7 +39,8 @@ impl VelocityOffset {
         let [forward, right] = self.offset;
         let better =
             VesselState { surge_mps: state.surge_mps - forward, sway_mps: state.sway_mps - right, ..*state };
-        let expected = self.led.map(|led| led + better.ground_velocity() * dt_s);
+        let bow = unit(state.heading_rad);
+        let expected = self.led.map(|led| led + better.ground_velocity_with(bow) * dt_s);
         let Some(expected) = expected.filter(|led| (*led - state.position).norm() < JUMP_M) else {
             self.led = Some(state.position);
             return better;
@@ -49,7 +50,6 @@ impl VelocityOffset {
         let pull = 2.0 * DAMPING * COMPARISON_RADPS * dt_s;
         let learn = COMPARISON_RADPS * COMPARISON_RADPS * dt_s;
         self.led = Some(expected + behind * pull.min(1.0));
-        let bow = unit(state.heading_rad);
         let limit = MOST_OFFSET_MPS;
         // Led too little: the velocity says too little.
         self.offset = [

@@ -81,7 +81,7 @@ proptest! {
         let path = bent_path();
         let water = Water { sway_mps: 0.0, current };
         let input = GuidanceInput { state: &boat, path: &path, speed_mps: 1.2, water };
-        let drift = guidance(|_| ()).drift(H_S, &input);
+        let drift = guidance(|_| ()).drift(H_S, &input, unit(input.state.heading_rad));
         let course_per_yaw = ssa(course(heading + H_S) - course(heading - H_S)) / (2.0 * H_S);
         let (least, most) = YAW_PER_COURSE;
         prop_assert!((drift.yaw_per_course - (1.0 / course_per_yaw).clamp(least, most)).abs() < 1.0e-5);
@@ -115,7 +115,11 @@ fn the_crab_angle_of_a_boat_that_slows_down_is_fed_forward() {
     let water = Water { sway_mps: 0.0, current: at(0.0, 0.3) };
     let mut look = |time_s: f64| {
         let boat = VesselState { surge_mps: 1.4 - 0.05 * time_s, ..state(at(0.0, 0.0), 0.0) };
-        guidance.drift(0.01, &GuidanceInput { state: &boat, path: &path, speed_mps: 1.2, water })
+        guidance.drift(
+            0.01,
+            &GuidanceInput { state: &boat, path: &path, speed_mps: 1.2, water },
+            unit(boat.heading_rad),
+        )
     };
     for tick in 0..1000 {
         look(0.01 * f64::from(tick));
