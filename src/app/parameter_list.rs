@@ -18,8 +18,8 @@ use crate::pilot::failsafe::FailsafeSettings;
 Example:
   helmlink config parameters --boat motorboat
 
-Ground stations set them on component 191; no ground station shows the ranges of a companion's parameters by itself.
-A value out of range is refused with the reason, and the one in force is sent back.")]
+Ground stations set them on component 191, where they also find ranges and meanings if they ask for them
+(COMPONENT_METADATA). A value out of range is refused with the reason, and the one in force is sent back.")]
 pub struct ParametersArgs {
     /// The boat whose values and ranges are shown: a name, or a boat file
     #[arg(long, default_value = "otter", value_name = "NAME|FILE")]

@@ -10,6 +10,7 @@ use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission;
+use super::ranges::RunS;
 use super::result::{self, RunResult, Subject};
 use super::scenario;
 use super::trial::{self, TrialArgs};
@@ -44,8 +45,8 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Give up after this much simulated time, seconds
-    #[arg(long, default_value_t = 14_400.0, value_name = "S")]
-    pub limit: f64,
+    #[arg(long, default_value = "14400", value_name = "S")]
+    pub limit: RunS,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub trial: TrialArgs,
@@ -69,8 +70,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     }
     let mut world = World::from_args(&world_args)?;
     let drivable = mission::load(&args.mission)?;
-    let limit = Duration::try_from_secs_f64(args.limit)
-        .map_err(|_| Failure::usage("--limit must be a positive number of seconds"))?;
+    let limit = Duration::from_secs_f64(*args.limit);
     let mut trial = args.trial.trial(args.controller.controller, &world, &drivable)?;
     if let Some(scenario) = named {
         trial::set_scenario(&mut trial, scenario);

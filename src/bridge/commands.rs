@@ -1,6 +1,8 @@
 //! Commands to the bridge itself, as its own MAVLink component.
 
-use helmlink_wire::dialect::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA};
+use helmlink_wire::dialect::{
+    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, COMPONENT_METADATA_DATA, MessageData,
+};
 use helmlink_wire::{Identity, Message, enums};
 
 /// What a command asks of the bridge.
@@ -20,6 +22,8 @@ pub(super) enum Order {
     ResetParameters,
     /// Keep the parameters: MAV_CMD_PREFLIGHT_STORAGE with 1.
     SaveParameters,
+    /// Say where the parameters are described: MAV_CMD_REQUEST_MESSAGE for COMPONENT_METADATA.
+    Metadata,
     /// A message that the bridge does not have: MAV_CMD_REQUEST_MESSAGE.
     NoSuchMessage,
     /// Nothing that the bridge does.
@@ -79,6 +83,9 @@ impl Command {
             enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 2.0 => Order::ResetParameters,
             enums::MAV_CMD_PREFLIGHT_STORAGE if self.param1 == 1.0 => Order::SaveParameters,
             enums::MAV_CMD_PREFLIGHT_STORAGE => Order::Denied,
+            enums::MAV_CMD_REQUEST_MESSAGE if self.param1 == COMPONENT_METADATA_DATA::ID as f32 => {
+                Order::Metadata
+            }
             enums::MAV_CMD_REQUEST_MESSAGE => Order::NoSuchMessage,
             _ => Order::Unsupported,
         }
@@ -126,6 +133,7 @@ mod tests {
         assert_eq!(order(enums::MAV_CMD_DO_CHANGE_SPEED, 1.0), Order::ChangeSpeed(1.5));
         assert_eq!(order(enums::MAV_CMD_USER_1, 0.0), Order::LetGo);
         assert_eq!(order(enums::MAV_CMD_REQUEST_MESSAGE, 148.0), Order::NoSuchMessage);
+        assert_eq!(order(enums::MAV_CMD_REQUEST_MESSAGE, 397.0), Order::Metadata);
         assert_eq!(order(60_000, 1.0), Order::Unsupported);
     }
 

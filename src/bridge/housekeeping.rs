@@ -30,6 +30,7 @@ impl Bridge {
         self.last_housekeeping = Some(self.now);
         self.report();
         self.send_parameter_list();
+        self.send_files();
         self.take_mission_news();
         if let Some(vehicle) = self.vehicle {
             self.ask(vehicle);

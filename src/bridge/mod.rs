@@ -25,6 +25,7 @@
 //! | `steering` | one control step: supervise, compute, send |
 //! | [`pace`] | how evenly the steering frames go out |
 //! | [`parameters`] | the bridge's own parameters |
+//! | `metadata` | their ranges and meanings, for ground stations to read |
 //! | `timesync` | the flight controller's distance in time |
 //! | `reporting` | heartbeat, progress and messages for the ground station |
 
@@ -37,6 +38,7 @@ mod follow;
 mod housekeeping;
 mod links;
 mod listening;
+mod metadata;
 mod mission;
 mod observing;
 mod ordering;
@@ -64,6 +66,7 @@ pub use status::{Event, Health, Status};
 use self::actions::Actions;
 use self::follow::CurrentItem;
 use self::links::{FarEnd, Links};
+use self::metadata::Metadata;
 use self::mission::MissionKeeper;
 use self::observing::Observer;
 use self::parameters::Tunables;
@@ -133,6 +136,7 @@ pub struct Bridge {
     timesync: TimeSync,
     delay_choice: DelayChoice,
     parameter_service: ParameterService,
+    metadata: Metadata,
     /// The parameters as the bridge was started with, saved ones left out.
     factory: Tunables,
     steering: Steering,
@@ -192,6 +196,7 @@ impl Bridge {
             timesync: TimeSync::default(),
             delay_choice: DelayChoice::default(),
             parameter_service: ParameterService::default(),
+            metadata: Metadata::default(),
             factory,
             steering: Steering::default(),
             counts: Counts::default(),
@@ -269,6 +274,7 @@ impl Bridge {
         self.record(|journal| journal.link_down(now, link));
         self.advance(now);
         self.links.remove(link);
+        self.metadata.forget(link);
         if self.vehicle.is_some_and(|vehicle| vehicle.link == link) {
             self.event(enums::MAV_SEVERITY_WARNING, "the link to the flight controller went down");
             self.forget_vehicle();

@@ -18,6 +18,9 @@ impl Bridge {
             self.jump_to_item(*seq);
         }
         self.on_parameter_message(link, from, message);
+        if let Message::FILE_TRANSFER_PROTOCOL(request) = message {
+            self.on_file_request(link, from, request);
+        }
         let Some(command) = Command::from_message(message, own) else { return };
         let result = match command.order() {
             Order::Engage => {
@@ -44,12 +47,17 @@ impl Bridge {
             }
             // Parameters are kept as they are set.
             Order::SaveParameters => enums::MAV_RESULT_ACCEPTED,
+            Order::Metadata => enums::MAV_RESULT_ACCEPTED,
             // FAILED and not UNSUPPORTED, on which some ground stations ask again and again.
             Order::NoSuchMessage => enums::MAV_RESULT_FAILED,
             Order::Unsupported => enums::MAV_RESULT_UNSUPPORTED,
             Order::Denied => enums::MAV_RESULT_DENIED,
         };
         self.links.send(link, own, &command.acknowledge(from, result));
+        if command.order() == Order::Metadata {
+            let metadata = self.component_metadata();
+            self.links.send(link, own, &metadata);
+        }
     }
 
     pub(super) fn change_speed(&mut self, speed_mps: f64) -> u8 {

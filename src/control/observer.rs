@@ -32,10 +32,8 @@ pub struct ObserverSettings {
     pub move_bandwidth_radps: f64,
 }
 
-/// Time constant by which slow disagreement, the model's error, is told from quick one, in units of one over the
-/// bandwidth.
-const SLOW_PART: f64 = 1.0;
-/// Time constant of the noise level, in the same unit.
+/// Time constant of the noise level, in units of one over the bandwidth. Slow disagreement, the model's error, is told
+/// from quick one with the bandwidth itself.
 const LEVEL_PART: f64 = 8.0;
 /// Damping of the pair of correction and bias: k = w²/this.
 const BIAS_DAMPING: f64 = 6.0;
@@ -54,18 +52,28 @@ struct Channel {
 
 impl Channel {
     /// How much of the measurement to use, 0 to 1, given its newest disagreement with the estimate.
-    fn trust(&mut self, dt_s: f64, disagreement: f64, noise: f64, bandwidth_radps: f64) -> f64 {
-        self.slow += share(dt_s, bandwidth_radps / SLOW_PART) * (disagreement - self.slow);
+    fn trust(&mut self, disagreement: f64, noise: f64, shares: Shares) -> f64 {
+        self.slow += shares.now * (disagreement - self.slow);
         let quick = disagreement - self.slow;
-        self.variance += share(dt_s, bandwidth_radps / LEVEL_PART) * (quick * quick - self.variance);
+        self.variance += shares.level * (quick * quick - self.variance);
         let level = self.variance / (noise * noise);
         1.0 / (1.0 + level * level)
     }
 }
 
-/// Share of a disagreement that is taken over in one step.
-fn share(dt_s: f64, bandwidth_radps: f64) -> f64 {
-    -(-dt_s * bandwidth_radps).exp_m1()
+/// Shares of a disagreement that are taken over in one step: by the estimate and by the slow part of the disagreement,
+/// and by the noise level.
+#[derive(Debug, Clone, Copy)]
+struct Shares {
+    now: f64,
+    level: f64,
+}
+
+impl Shares {
+    fn of(dt_s: f64, bandwidth_radps: f64) -> Self {
+        let share = |bandwidth_radps: f64| -(-dt_s * bandwidth_radps).exp_m1();
+        Self { now: share(bandwidth_radps), level: share(bandwidth_radps / LEVEL_PART) }
+    }
 }
 
 /// Estimates the slow motion of one boat.
@@ -129,6 +137,7 @@ impl Observer {
         current: NorthEast,
     ) -> VesselState {
         let bow = unit(last.heading_rad);
+        let before = last.ground_velocity_with(bow);
         let motion = WaterMotion {
             surge_mps: last.surge_mps - bow.dot(current),
             sway_mps: last.sway_mps - bow.cross(current),
@@ -144,7 +153,7 @@ impl Observer {
             sway_mps: next.sway_mps + bow.cross(current),
             yaw_rate_radps: next.yaw_rate_radps,
         };
-        let mean = (last.ground_velocity() + state.ground_velocity()) * 0.5;
+        let mean = (before + state.ground_velocity_with(bow)) * 0.5;
         VesselState { position: last.position + mean * dt_s, ..state }
     }
 
@@ -154,22 +163,22 @@ impl Observer {
             self.settings;
         let (turn, moving) = (turn_bandwidth_radps, move_bandwidth_radps);
         let off = Difference::between(measured, expected);
-        let (by_turn, by_moving) = (share(dt_s, turn), share(dt_s, moving));
+        let (in_turn, in_moving) = (Shares::of(dt_s, turn), Shares::of(dt_s, moving));
         let learned = [(off.surge_mps, moving), (off.yaw_rate_radps, turn)];
         for (bias, (off, bandwidth)) in self.bias.iter_mut().zip(learned) {
             *bias += dt_s * bandwidth * bandwidth / BIAS_DAMPING * off;
         }
-        let estimate = off.added(expected, [by_moving, by_turn, by_moving, by_turn]);
+        let estimate = off.added(expected, [in_moving.now, in_turn.now, in_moving.now, in_turn.now]);
         self.estimate = Some(estimate);
 
         let left = Difference::between(measured, &estimate);
         let right_m = unit(estimate.heading_rad).cross(left.position);
         let [position, heading, speed, rate] = &mut self.channels;
         let trust = [
-            position.trust(dt_s, right_m, 0.5 * noise_mps, moving),
-            heading.trust(dt_s, left.heading_rad, 0.5 * noise_radps, turn),
-            speed.trust(dt_s, left.sway_mps, noise_mps, moving),
-            rate.trust(dt_s, left.yaw_rate_radps, noise_radps, turn),
+            position.trust(right_m, 0.5 * noise_mps, in_moving),
+            heading.trust(left.heading_rad, 0.5 * noise_radps, in_turn),
+            speed.trust(left.sway_mps, noise_mps, in_moving),
+            rate.trust(left.yaw_rate_radps, noise_radps, in_turn),
         ];
         left.added(&estimate, trust)
     }

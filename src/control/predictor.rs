@@ -106,8 +106,9 @@ impl Predictor {
         self.learn(dt_s, hull, motion, self.acted);
         self.last = Some(motion);
 
-        let mut ahead = Ahead { state: *state, motion };
-        let slip_mps = state.sway_mps - motion.sway_mps - unit(state.heading_rad).cross(current);
+        let bow = unit(state.heading_rad);
+        let mut ahead = Ahead::from(*state, motion, bow);
+        let slip_mps = state.sway_mps - motion.sway_mps - bow.cross(current);
         for offset in 0..self.count {
             let Pending { wrench, duration_s } = self.pending[(self.first + offset) % CAPACITY];
             ahead.step(duration_s, hull, wrench, self.bias, current, slip_mps);
@@ -156,9 +157,15 @@ impl Predictor {
 struct Ahead {
     state: VesselState,
     motion: WaterMotion,
+    /// Velocity over ground.
+    velocity: NorthEast,
 }
 
 impl Ahead {
+    fn from(state: VesselState, motion: WaterMotion, bow: NorthEast) -> Self {
+        Self { state, motion, velocity: state.ground_velocity_with(bow) }
+    }
+
     fn step(
         &mut self,
         dt_s: f64,
@@ -168,15 +175,15 @@ impl Ahead {
         current: NorthEast,
         slip_mps: f64,
     ) {
-        let before = self.state.ground_velocity();
         self.motion = hull.after(dt_s, self.motion, wrench, bias);
         self.state.heading_rad += 0.5 * dt_s * (self.state.yaw_rate_radps + self.motion.yaw_rate_radps);
         let bow = unit(self.state.heading_rad);
         self.state.surge_mps = self.motion.surge_mps + bow.dot(current);
         self.state.sway_mps = self.motion.sway_mps + bow.cross(current) + slip_mps;
         self.state.yaw_rate_radps = self.motion.yaw_rate_radps;
-        let mean = (before + self.state.ground_velocity()) * 0.5;
-        self.state.position += mean * dt_s;
+        let velocity = self.state.ground_velocity_with(bow);
+        self.state.position += (self.velocity + velocity) * 0.5 * dt_s;
+        self.velocity = velocity;
     }
 }
 

@@ -12,7 +12,7 @@
 //! delay. Inertia, damping and a constant push are fitted along with it, so that a wrong hull model does not pass for
 //! delay. The actuators' own lag is in N already: see [`crate::control::allocation`].
 
-use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
+use nalgebra::{Matrix3, Vector3, Vector4};
 
 use super::model::{Hull, WaterMotion, damping_force};
 
@@ -76,13 +76,49 @@ impl DelayChoice {
     }
 }
 
-/// The sums of one regression that depend on its delay: of the delayed moment's products.
-#[derive(Debug, Clone, Copy, Default)]
-struct Fit {
-    /// With itself, damping, coupling and a constant.
-    squares: Vector4<f64>,
+/// The sums that depend on the delay, one of each for every delay: of the delayed moment's products. Sum by sum, so that
+/// several delays are learned at once.
+#[derive(Debug, Clone, Copy)]
+struct MomentSums {
+    /// With the moment itself.
+    itself: [f64; LAGS],
+    /// With damping, coupling and a constant.
+    damping: [f64; LAGS],
+    coupling: [f64; LAGS],
+    constant: [f64; LAGS],
     /// With the acceleration.
-    product: f64,
+    acceleration: [f64; LAGS],
+}
+
+impl MomentSums {
+    const NONE: Self = Self {
+        itself: [0.0; LAGS],
+        damping: [0.0; LAGS],
+        coupling: [0.0; LAGS],
+        constant: [0.0; LAGS],
+        acceleration: [0.0; LAGS],
+    };
+
+    /// Takes the moments of all delays, the newest first, and what was seen with them.
+    fn learn(&mut self, keep: f64, moments: &[f64; LAGS], seen: &Vector3<f64>, acceleration: f64) {
+        let add = |sums: &mut [f64; LAGS], factor: f64| {
+            for (sum, moment) in sums.iter_mut().zip(moments) {
+                *sum = *sum * keep + factor * moment;
+            }
+        };
+        for (sum, moment) in self.itself.iter_mut().zip(moments) {
+            *sum = *sum * keep + moment * moment;
+        }
+        add(&mut self.damping, seen[0]);
+        add(&mut self.coupling, seen[1]);
+        add(&mut self.constant, seen[2]);
+        add(&mut self.acceleration, acceleration);
+    }
+
+    /// The moment's products with damping, coupling and a constant, at one delay.
+    fn with_seen(&self, lag: usize) -> Vector3<f64> {
+        Vector3::new(self.damping[lag], self.coupling[lag], self.constant[lag])
+    }
 }
 
 /// Watches commanded moments and the yaw rate that follows.
@@ -102,8 +138,9 @@ pub struct YawResponse {
     sums: Vector4<f64>,
     /// Low-passed moment, yaw rate, damping and coupling, as accelerations.
     slow: Vector4<f64>,
-    /// Low-passed moments, the newest at `newest`.
-    moments: [f64; LAGS],
+    /// Low-passed moments, the newest at `newest` and the older ones behind it: a ring that is written twice, so that all
+    /// delays lie in a row wherever it begins.
+    moments: [f64; 2 * LAGS],
     newest: usize,
     bins: u32,
     weight: f64,
@@ -112,7 +149,7 @@ pub struct YawResponse {
     /// acceleration.
     squares: Matrix3<f64>,
     products: Vector3<f64>,
-    fits: [Fit; LAGS],
+    moment_sums: MomentSums,
     measured: Option<MeasuredDelay>,
 }
 
@@ -136,14 +173,14 @@ impl YawResponse {
             filled_s: 0.0,
             sums: Vector4::zeros(),
             slow: Vector4::zeros(),
-            moments: [0.0; LAGS],
+            moments: [0.0; 2 * LAGS],
             newest: 0,
             bins: 0,
             weight: 0.0,
             square: 0.0,
             squares: Matrix3::zeros(),
             products: Vector3::zeros(),
-            fits: [Fit::default(); LAGS],
+            moment_sums: MomentSums::NONE,
             measured: None,
         }
     }
@@ -193,8 +230,9 @@ impl YawResponse {
         let middle = (before + self.slow) * 0.5;
         let acceleration = (self.slow[1] - before[1]) / BIN_S;
 
-        self.newest = (self.newest + 1) % LAGS;
+        self.newest = self.newest.checked_sub(1).unwrap_or(LAGS - 1);
         self.moments[self.newest] = middle[0];
+        self.moments[self.newest + LAGS] = middle[0];
         self.bins = self.bins.saturating_add(1);
         // The first moments of the store and of the low-pass are not real.
         let settling = LAGS as f64 + 5.0 * self.filter_s / BIN_S;
@@ -214,21 +252,9 @@ impl YawResponse {
         let seen = Vector3::new(middle[2], middle[3], 1.0);
         self.squares = self.squares * keep + seen * seen.transpose();
         self.products = self.products * keep + seen * acceleration;
-        let (newer, older) = self.moments.split_at(self.newest + 1);
-        let newest_first = newer.iter().rev().chain(older.iter().rev());
-        for (fit, &moment) in self.fits.iter_mut().zip(newest_first) {
-            fit.squares = fit.squares * keep + Vector4::new(moment, seen[0], seen[1], seen[2]) * moment;
-            fit.product = fit.product * keep + moment * acceleration;
+        if let Some(newest_first) = self.moments[self.newest..].first_chunk() {
+            self.moment_sums.learn(keep, newest_first, &seen, acceleration);
         }
-    }
-
-    /// The whole regression of one delay.
-    fn with(&self, fit: &Fit) -> (Matrix4<f64>, Vector4<f64>) {
-        let mut squares = Matrix4::zeros();
-        squares.set_column(0, &fit.squares);
-        squares.set_row(0, &fit.squares.transpose());
-        squares.fixed_view_mut::<3, 3>(1, 1).copy_from(&self.squares);
-        (squares, Vector4::new(fit.product, self.products[0], self.products[1], self.products[2]))
     }
 
     fn measure(&self) -> Option<MeasuredDelay> {
@@ -236,22 +262,30 @@ impl YawResponse {
             return None;
         }
         let (least, most) = EFFECT_RANGE;
+        // What the equation leaves without any moment; what a moment changes in it is a division by the part of its
+        // square that the others do not explain (the Schur complement).
+        let common = ridged(self.squares).cholesky()?;
+        let without = common.solve(&self.products);
+        let idle = (self.square - without.dot(&self.products)).max(0.0);
         let mut left = [f64::INFINITY; LAGS];
         let mut makes_sense = [false; LAGS];
-        for (lag, fit) in self.fits.iter().enumerate() {
-            let (squares, products) = self.with(fit);
-            let solved = ridged(squares).cholesky()?.solve(&products);
+        for lag in 0..LAGS {
+            let seen = self.moment_sums.with_seen(lag);
+            let shared = common.solve(&seen);
+            let own = ridge(self.moment_sums.itself[lag]) - seen.dot(&shared);
+            if own <= 0.0 {
+                return None;
+            }
+            let unexplained = self.moment_sums.acceleration[lag] - seen.dot(&without);
+            let effect = unexplained / own;
             // A moment that turns the boat its own way, against damping that holds it back.
-            makes_sense[lag] = (least..=most).contains(&solved[0]) && solved[1] < 0.0;
-            left[lag] = (self.square - solved.dot(&products)).max(0.0);
+            makes_sense[lag] = (least..=most).contains(&effect) && without[0] - effect * shared[0] < 0.0;
+            left[lag] = (idle - effect * unexplained).max(0.0);
         }
         let best = (0..LAGS).filter(|lag| makes_sense[*lag]).min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
         if best + 1 >= LAGS {
             return None;
         }
-        // What the equation leaves without any moment, for comparison.
-        let without = ridged(self.squares).cholesky()?.solve(&self.products);
-        let idle = (self.square - without.dot(&self.products)).max(0.0);
         let explained = 1.0 - left[best] / idle.max(f64::MIN_POSITIVE);
         if explained < LEAST_EXPLAINED {
             return None;
@@ -278,9 +312,13 @@ impl YawResponse {
 /// Share of the diagonal that is added to it: a boat that never turned tells nothing of its damping.
 const RIDGE: f64 = 1.0e-6;
 
-fn ridged<const N: usize>(mut squares: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
-    for index in 0..N {
-        squares[(index, index)] += RIDGE * squares[(index, index)] + f64::MIN_POSITIVE;
+fn ridge(square: f64) -> f64 {
+    square + RIDGE * square + f64::MIN_POSITIVE
+}
+
+fn ridged(mut squares: Matrix3<f64>) -> Matrix3<f64> {
+    for index in 0..3 {
+        squares[(index, index)] = ridge(squares[(index, index)]);
     }
     squares
 }

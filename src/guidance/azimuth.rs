@@ -4,8 +4,6 @@ use helmlink_mission::angle::ssa;
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::PathPoint;
 
-use super::unit;
-
 /// An angle and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angle {
@@ -22,8 +20,8 @@ pub struct Angle {
 /// is the boat's over ground, `speed_mps` the virtual ship's u_d.
 #[must_use]
 pub fn azimuth(boat: NorthEast, velocity: NorthEast, ship: &PathPoint, speed_mps: f64, near_m: f64) -> Angle {
-    let tangent = unit(ship.heading_rad);
-    let normal = NorthEast { north_m: -tangent.east_m, east_m: tangent.north_m };
+    let tangent = ship.tangent;
+    let normal = tangent.starboard();
     let gap = ship.position - boat;
     let gap_rate = tangent * speed_mps - velocity;
     let distance = gap.norm();
@@ -41,7 +39,7 @@ pub fn azimuth(boat: NorthEast, velocity: NorthEast, ship: &PathPoint, speed_mps
 #[must_use]
 pub fn chord_bias(foot: &PathPoint, foot_mps: f64, ship: &PathPoint, ship_mps: f64) -> Angle {
     let chord = ship.position - foot.position;
-    let chord_rate = unit(ship.heading_rad) * ship_mps - unit(foot.heading_rad) * foot_mps;
+    let chord_rate = ship.tangent * ship_mps - foot.tangent * foot_mps;
     let chord = direction(chord, chord_rate, foot.heading_rad);
     Angle { rad: ssa(chord.rad - foot.heading_rad), radps: chord.radps - foot.curvature_radpm * foot_mps }
 }

@@ -6,6 +6,7 @@
 //! line-of-sight guidance with the lead as look-ahead: ψ_ref = ψ_p − atan(e/lead) − β̂.
 
 use helmlink_mission::angle::ssa;
+use helmlink_mission::geodesy::NorthEast;
 
 use super::azimuth::{azimuth, chord_bias};
 use super::progress::{Projection, foot_speed_mps, project};
@@ -90,7 +91,8 @@ impl Guidance for Practical {
 
     fn step(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Reference {
         let GuidanceInput { state, path, .. } = *input;
-        let velocity = state.ground_velocity();
+        let bow = unit(state.heading_rad);
+        let velocity = state.ground_velocity_with(bow);
         let here = project(path, state.position, self.progress_m);
         self.progress_m = here.progress_m;
         let foot_mps = foot_speed_mps(&here, velocity);
@@ -111,12 +113,12 @@ impl Guidance for Practical {
         let aim = azimuth(state.position, velocity, &ship, ship_mps, NEAR_PART * lead_m);
         let bias = chord_bias(&here.foot, foot_mps, &ship, ship_mps);
 
-        let drift = self.drift(dt_s, input);
+        let drift = self.drift(dt_s, input, bow);
         let heading_rad = aim.rad - bias.rad - drift.angle_rad;
         let heading_error_rad = self.heading_error(heading_rad, state.heading_rad);
         let preview_radps = self.preview_radps(path, &here, foot_mps);
         let planned_radps = here.foot.curvature_radpm * foot_mps + preview_radps;
-        let planned_drift_radps = self.planned_drift_radps(dt_s, state, planned_radps);
+        let planned_drift_radps = self.planned_drift_radps(dt_s, input, planned_radps);
         let course_radps = aim.radps - bias.radps + preview_radps;
         Reference {
             heading_rad: ssa(heading_rad),
@@ -124,13 +126,20 @@ impl Guidance for Practical {
             heading_rate_radps: (course_radps - planned_drift_radps - drift.slowing_radps)
                 * drift.yaw_per_course,
             yaw_per_course: drift.yaw_per_course,
-            speed_mps: self.surge_speed(input, &here, speed_mps, lead_m, heading_error_rad),
+            speed_mps: self.surge_speed(input, bow, &here, Pace { speed_mps, lead_m }, heading_error_rad),
             progress_m: here.progress_m,
             cross_track_m: here.cross_track_m,
             lead_m: self.ship.progress_m() - here.progress_m,
             finished: here.progress_m >= path.length_m(),
         }
     }
+}
+
+/// What is wanted along the path: speed over ground and the virtual ship's lead.
+#[derive(Clone, Copy)]
+struct Pace {
+    speed_mps: f64,
+    lead_m: f64,
 }
 
 /// Drift angle and what it does to the course.
@@ -145,11 +154,10 @@ impl Practical {
     /// Drift angle β̂ = atan2(v_p + n̂ᵀŴ, u). Yawing turns the boat within the current, so the course turns by
     /// χ̇ = r (1 − VᵀŴ/U²), V = [u, v_p + n̂ᵀŴ] in the boat's axes: faster than the bow against the current, slower
     /// with it.
-    fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>) -> Drift {
-        let bow = unit(input.state.heading_rad);
+    fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>, bow: NorthEast) -> Drift {
         let along = bow.dot(input.water.current);
         let current_across = bow.cross(input.water.current);
-        let across = self.planned_sway.sway_mps() + current_across;
+        let across = (1.0 + input.water.sway_excess) * self.planned_sway.sway_mps() + current_across;
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         let squared = surge * surge + across * across;
         let course_per_yaw = 1.0 - (surge * along + across * current_across) / squared;
@@ -182,27 +190,29 @@ impl Practical {
 
     /// Rate of the drift angle that the planned turn brings, rad/s. Planned, not measured: fed back, the measured
     /// one would raise the gain of the yaw loop.
-    fn planned_drift_radps(&mut self, dt_s: f64, state: &VesselState, planned_radps: f64) -> f64 {
-        let surge = state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
+    fn planned_drift_radps(&mut self, dt_s: f64, input: &GuidanceInput<'_>, planned_radps: f64) -> f64 {
+        let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         self.planned_sway.step(dt_s, &self.hull, surge, planned_radps, 0.0);
-        self.planned_sway.rate_mps2() * surge / (surge * surge + self.planned_sway.sway_mps().powi(2))
+        let part = 1.0 + input.water.sway_excess;
+        let sway = part * self.planned_sway.sway_mps();
+        part * self.planned_sway.rate_mps2() * surge / (surge * surge + sway * sway)
     }
 
     /// Virtual control α_u: the paper's law projected on the path's tangent.
     fn surge_speed(
         &self,
         input: &GuidanceInput<'_>,
+        bow: NorthEast,
         here: &Projection,
-        speed_mps: f64,
-        lead_m: f64,
+        Pace { speed_mps, lead_m }: Pace,
         heading_error_rad: f64,
     ) -> f64 {
         let state = input.state;
-        let along_current = unit(state.heading_rad).dot(input.water.current);
+        let along_current = bow.dot(input.water.current);
         let slope = speed_mps / self.settings.lead_softness_m;
         let lead_error = (self.ship.progress_m() - here.progress_m) - lead_m;
         let (sin, cos) = ssa(here.foot.heading_rad - state.heading_rad).sin_cos();
-        let sway = input.water.sway_mps + unit(state.heading_rad).cross(input.water.current);
+        let sway = input.water.sway_mps + bow.cross(input.water.current);
         let along = slope * lead_error + self.ship.speed_mps() - sway * sin;
         let wanted = (along / cos.max(LEAST_COSINE)).min(MOST_SPEED_PART * speed_mps);
 

@@ -3,8 +3,6 @@
 use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathPoint};
 
-use super::unit;
-
 /// The boat's place relative to the path.
 #[derive(Debug, Clone, Copy)]
 pub struct Projection {
@@ -21,7 +19,7 @@ pub struct Projection {
 pub fn project(path: &Path, position: NorthEast, near_m: f64) -> Projection {
     let progress_m = path.project(position, near_m);
     let foot = path.point(progress_m);
-    let cross_track_m = unit(foot.heading_rad).cross(position - foot.position);
+    let cross_track_m = foot.tangent.cross(position - foot.position);
     Projection { progress_m, foot, cross_track_m }
 }
 
@@ -34,5 +32,5 @@ pub fn foot_speed_mps(projection: &Projection, velocity: NorthEast) -> f64 {
     /// Least value of 1 − κe.
     const LEAST_RATIO: f64 = 0.3;
     let ratio = 1.0 - projection.foot.curvature_radpm * projection.cross_track_m;
-    unit(projection.foot.heading_rad).dot(velocity) / ratio.max(LEAST_RATIO)
+    projection.foot.tangent.dot(velocity) / ratio.max(LEAST_RATIO)
 }

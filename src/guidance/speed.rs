@@ -54,17 +54,42 @@ impl SpeedLimits {
         let horizon_m = 0.5 * speed_mps * speed_mps / self.deceleration_mps2;
         let step_m = horizon_m / (SAMPLES - 1) as f64;
         let mut allowed_squared = speed_mps * speed_mps;
+        let current_mps = current.norm();
+        let (mut last_curvature, mut least_squared) = (0.0, f64::INFINITY);
         for sample in 0..SAMPLES {
             let ahead_m = sample as f64 * step_m;
-            let there = self.bend_speed_mps(path.direction(progress_m + ahead_m), current).min(speed_mps);
-            allowed_squared = allowed_squared.min(there * there + 2.0 * self.deceleration_mps2 * ahead_m);
+            let place = path.direction(progress_m + ahead_m);
+            let curvature = place.curvature_radpm.abs();
+            if curvature != last_curvature {
+                (last_curvature, least_squared) = (curvature, self.least_squared(curvature, current_mps));
+            }
+            let gained = 2.0 * self.deceleration_mps2 * ahead_m;
+            // Most places slow the boat down in no current of that strength: no need to look at their direction.
+            if least_squared + gained > allowed_squared {
+                continue;
+            }
+            let there = self.bend_speed_mps(place, current).min(speed_mps);
+            allowed_squared = allowed_squared.min(there * there + gained);
         }
         if end == EndOfPath::Stop {
             let left_m = (path.length_m() - progress_m).max(0.0);
             allowed_squared = allowed_squared.min(2.0 * self.deceleration_mps2 * left_m);
         }
-        let creep_mps = self.creep_mps.max(CREEP_PER_CURRENT * current.norm());
+        let creep_mps = self.creep_mps.max(CREEP_PER_CURRENT * current_mps);
         allowed_squared.sqrt().max(creep_mps.min(speed_mps))
+    }
+
+    /// Square of a speed (m²/s²) that a bend allows in a current of this strength from anywhere.
+    fn least_squared(&self, curvature_radpm: f64, current_mps: f64) -> f64 {
+        /// What rounding may make of it.
+        const SLACK: f64 = 1.0e-9;
+        if curvature_radpm <= 0.0 {
+            return f64::INFINITY;
+        }
+        let still_water = self.turn_rate_radps / curvature_radpm;
+        let discriminant = (1.0 - 4.0 * current_mps / still_water).max(0.0);
+        let by_rate = 0.5 * still_water * (1.0 + discriminant.sqrt());
+        (by_rate * by_rate).min(self.lateral_acceleration_mps2 / curvature_radpm) * (1.0 - SLACK)
     }
 
     /// Largest speed over ground (m/s) at one point of the path.
@@ -86,3 +111,6 @@ impl SpeedLimits {
         by_rate.min((self.lateral_acceleration_mps2 / curvature).sqrt().max(2.0 * along))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,8 @@
 use helmlink_mission::geodesy::NorthEast;
 use thiserror::Error;
 
+use super::unit;
+
 /// The boat's planar motion, as estimated at one instant. All velocities are over ground.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VesselState {
@@ -68,10 +70,15 @@ impl VesselState {
     /// Velocity over ground in north-east components, m/s (Eq. 1, first two rows).
     #[must_use]
     pub fn ground_velocity(&self) -> NorthEast {
-        let (sin, cos) = self.heading_rad.sin_cos();
+        self.ground_velocity_with(unit(self.heading_rad))
+    }
+
+    /// The same where `bow`, the unit vector of the heading, is known already.
+    #[must_use]
+    pub(crate) fn ground_velocity_with(&self, bow: NorthEast) -> NorthEast {
         NorthEast {
-            north_m: self.surge_mps * cos - self.sway_mps * sin,
-            east_m: self.surge_mps * sin + self.sway_mps * cos,
+            north_m: self.surge_mps * bow.north_m - self.sway_mps * bow.east_m,
+            east_m: self.surge_mps * bow.east_m + self.sway_mps * bow.north_m,
         }
     }
 }

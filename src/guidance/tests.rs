@@ -143,6 +143,7 @@ fn azimuth_is_right_on_the_axes_where_the_printed_formula_is_not() {
     let ship = |north_m, east_m| helmlink_mission::path::PathPoint {
         position: at(north_m, east_m),
         heading_rad: 0.3,
+        tangent: unit(0.3),
         curvature_radpm: 0.0,
     };
     let azimuth_of =

@@ -7,7 +7,7 @@ use helmlink_wire::dialect::{COMMAND_LONG_DATA, CharArray, PARAM_REQUEST_READ_DA
 use helmlink_wire::{Message, enums};
 
 use crate::support::correspondent::{BOAT, BRIDGE, STATION, boat_heartbeat};
-use crate::support::{Correspondent, Folder, Helmlink};
+use crate::support::{Correspondent, Folder, Helmlink, Script};
 
 /// A gain of the controller.
 const GAIN: &str = "HL_R_K";
@@ -159,4 +159,24 @@ fn a_bridge_killed_while_it_writes_leaves_the_old_file_or_the_new_one() {
         }
         assert!(!scene.bridge.printed().contains("saved parameter left out"), "{}", scene.bridge.printed());
     }
+}
+
+#[test]
+fn ground_stations_read_ranges_and_meanings() {
+    let (_boat, address) = Helmlink::sitl("tcpin", &[]);
+    let connect = format!("tcp:{address}");
+    let folder = Folder::new("metadata");
+    let bridge = Helmlink::start(&[
+        "bridge",
+        "--connect",
+        &connect,
+        "--gcs",
+        "udpin:127.0.0.1:0",
+        "--state-dir",
+        folder.path(),
+    ]);
+    let place = bridge.wait_for_place();
+    bridge.wait_for_line("found the flight controller");
+    let printed = Script::run("metadata.py", &[&place, folder.path()]);
+    assert!(printed.contains("parameters described, to pymavlink and to MAVSDK"), "{printed}");
 }

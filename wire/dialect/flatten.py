@@ -22,13 +22,14 @@ KEEP = [
     "POSITION_TARGET_TYPEMASK", "ATTITUDE_TARGET_TYPEMASK", "ROVER_MODE", "MAV_BATTERY_TYPE",
     "MAV_BATTERY_FUNCTION", "MAV_BATTERY_CHARGE_STATE", "FENCE_BREACH", "FENCE_ACTION", "SPEED_TYPE",
     "MAV_DATA_STREAM", "FIRMWARE_VERSION_TYPE", "MAV_DO_REPOSITION_FLAGS",
-    "MAV_FTP_OPCODE", "MAV_FTP_ERR",
+    "MAV_FTP_OPCODE", "MAV_FTP_ERR", "COMP_METADATA_TYPE",
 ]
 # Where no message field carries the enum, or the first that does is not the one that matters.
 WIDTH = {"MAV_CMD": "u16", "MAV_MODE_FLAG": "u8", "MAV_COMPONENT": "u8", "ROVER_MODE": "u32", "SPEED_TYPE": "u8",
          "MAV_DO_REPOSITION_FLAGS": "u32", "MAV_SYS_STATUS_SENSOR": "u32", "MAV_PROTOCOL_CAPABILITY": "u64",
          "MAV_DATA_STREAM": "u8", "FIRMWARE_VERSION_TYPE": "u8", "MAV_FTP_OPCODE": "u8", "MAV_FTP_ERR": "u8",
-         "FENCE_ACTION": "u8", "EKF_STATUS_FLAGS": "u16", "ESTIMATOR_STATUS_FLAGS": "u16"}
+         "FENCE_ACTION": "u8", "EKF_STATUS_FLAGS": "u16", "ESTIMATOR_STATUS_FLAGS": "u16",
+         "COMP_METADATA_TYPE": "u32"}
 RUST = {"uint8_t": "u8", "uint16_t": "u16", "uint32_t": "u32", "uint64_t": "u64",
         "int8_t": "i8", "int16_t": "i16", "int32_t": "i32"}
 

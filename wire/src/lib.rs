@@ -7,12 +7,13 @@
 //! | [`frame`] | one checked frame: header, payload, decoding |
 //! | [`framer`] | bytes in, frames out; resynchronises after anything |
 //! | [`encoder`] | messages in, bytes out; one sequence counter per component |
+//! | [`ftp`] | a server of files that can only be read, by MAVLink's file transfer protocol |
 //! | [`outbox`] | what waits for a peer that does not keep up, and what of it is lost first |
 //! | [`signing`] | MAVLink 2 signatures: keys, time stamps, what is refused and why |
 //! | [`stats`] | what a link has carried and lost |
 //! | [`tlog`] | telemetry logs: time-stamped frames, as ground stations write them |
 //!
-//! This crate knows frames, not what a message means.
+//! This crate knows frames, not what a message means; only [`ftp`] does, for all who serve files.
 //!
 //! ```
 //! use helmlink_wire::dialect::HEARTBEAT_DATA;
@@ -40,6 +41,7 @@ pub mod encoder;
 pub mod enums;
 pub mod frame;
 pub mod framer;
+pub mod ftp;
 mod layout;
 pub mod outbox;
 pub mod signing;

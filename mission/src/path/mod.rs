@@ -38,6 +38,8 @@ pub struct PathPoint {
     /// Course of the path, clockwise from north, *not* wrapped: it starts in (−π, π] and is continuous in
     /// `s`, so that its derivative is the curvature everywhere.
     pub heading_rad: f64,
+    /// Unit vector of that course.
+    pub tangent: NorthEast,
     /// Curvature, rad/m, positive to starboard.
     pub curvature_radpm: f64,
 }
@@ -173,7 +175,7 @@ impl Path {
     /// Distance of `position` from the path at arc length `s_m`, metres, positive to starboard of the path.
     pub fn cross_track_m(&self, position: NorthEast, s_m: f64) -> f64 {
         let point = self.point(s_m);
-        NorthEast::from_polar(1.0, point.heading_rad).cross(position - point.position)
+        point.tangent.cross(position - point.position)
     }
 
     /// Index of the segment at arc length `s_m`; the first or the last outside of the path.

@@ -55,9 +55,8 @@ impl Path {
     /// that by `s`: −(1 − κd) at a distance d to starboard.
     fn ahead_m(&self, position: NorthEast, s_m: f64) -> (f64, f64) {
         let point = self.point(s_m);
-        let tangent = NorthEast::from_polar(1.0, point.heading_rad);
         let offset = position - point.position;
-        (offset.dot(tangent), point.curvature_radpm * tangent.cross(offset) - 1.0)
+        (offset.dot(point.tangent), point.curvature_radpm * point.tangent.cross(offset) - 1.0)
     }
 
     /// How far the path can be followed from `s_m` within one segment and one [`STRIDE_RAD`].

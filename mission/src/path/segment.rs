@@ -58,41 +58,39 @@ impl Segment {
     /// The point `along_m` after the start. Lines go on beyond their ends.
     #[inline]
     pub(super) fn point(&self, along_m: f64) -> PathPoint {
+        let position = self.anchor + self.displacement(along_m);
+        let PathDirection { heading_rad, curvature_radpm } = self.direction(along_m);
+        // On a line the same as at its anchor, to the last bit.
+        let tangent = match self.shape {
+            Shape::Line => self.tangent,
+            _ => NorthEast::from_polar(1.0, heading_rad),
+        };
+        PathPoint { position, heading_rad, tangent, curvature_radpm }
+    }
+
+    /// From the anchor to the point `along_m` after the start.
+    #[inline]
+    fn displacement(&self, along_m: f64) -> NorthEast {
         match self.shape {
-            Shape::Line => PathPoint {
-                position: self.anchor + self.tangent * along_m,
-                heading_rad: self.anchor_heading_rad,
-                curvature_radpm: 0.0,
-            },
+            Shape::Line => self.tangent * along_m,
             Shape::Arc { curvature_radpm } => {
                 // The chord: as long as the arc times sin(x)/x of half the angle, halfway between headings.
                 let half_rad = 0.5 * curvature_radpm * along_m;
                 let (sin, cos) = half_rad.sin_cos();
                 let chord_m = if half_rad == 0.0 { along_m } else { along_m * sin / half_rad };
-                PathPoint {
-                    position: self.anchor + self.turned(NorthEast { north_m: cos, east_m: sin } * chord_m),
-                    heading_rad: self.anchor_heading_rad + 2.0 * half_rad,
-                    curvature_radpm,
-                }
+                self.turned(NorthEast { north_m: cos, east_m: sin } * chord_m)
             }
-            Shape::Entry { sharpness_radpm2 } => PathPoint {
-                position: self.anchor + self.turned(clothoid::displacement(along_m, sharpness_radpm2)),
-                heading_rad: self.anchor_heading_rad + 0.5 * sharpness_radpm2 * along_m * along_m,
-                curvature_radpm: sharpness_radpm2 * along_m,
-            },
+            Shape::Entry { sharpness_radpm2 } => {
+                self.turned(clothoid::displacement(along_m, sharpness_radpm2))
+            }
+            // Looking back from the end, ahead is astern and a turn to starboard is one to port.
             Shape::Exit { sharpness_radpm2 } => {
-                // Looking back from the end, ahead is astern and a turn to starboard is one to port.
-                let back_m = self.length_m - along_m;
-                PathPoint {
-                    position: self.anchor - self.turned(clothoid::displacement(back_m, -sharpness_radpm2)),
-                    heading_rad: self.anchor_heading_rad - 0.5 * sharpness_radpm2 * back_m * back_m,
-                    curvature_radpm: sharpness_radpm2 * back_m,
-                }
+                -self.turned(clothoid::displacement(self.length_m - along_m, -sharpness_radpm2))
             }
         }
     }
 
-    /// Course and curvature `along_m` after the start, exactly those of [`Segment::point`].
+    /// Course and curvature `along_m` after the start.
     #[inline]
     pub(super) fn direction(&self, along_m: f64) -> PathDirection {
         let turned_rad = match self.shape {

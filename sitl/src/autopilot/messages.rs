@@ -51,7 +51,7 @@ impl Autopilot {
             Message::PING(data) => self.answer_ping(link, from, data),
             Message::FILE_TRANSFER_PROTOCOL(data) => {
                 for answer in self.ftp.answers(link, from, data, &self.parameters) {
-                    self.links.send(link, &answer);
+                    self.links.send(link, &Message::FILE_TRANSFER_PROTOCOL(answer));
                 }
             }
             Message::LOG_REQUEST_LIST(_) => {

@@ -42,7 +42,7 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     let [name_a, name_b] = args.compare.as_slice() else {
         return Err(Failure::usage("--compare needs two boats: names or files"));
     };
-    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let mut engine = Engine::scan(files.clone(), args.system.map(u8::from))?;
     let mut sides = Vec::new();
     for name in [name_a, name_b] {
         let wishes = Wishes { boat: Some(name.as_str()), ..wishes(args) };

@@ -39,14 +39,11 @@ struct Defaults {
 }
 
 pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
-    if !(args.tolerance.is_finite() && args.tolerance > 0.0) {
-        return Err(Failure::usage(format!("--tolerance {}: give metres above 0", args.tolerance)));
-    }
-    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let mut engine = Engine::scan(files.clone(), args.system.map(u8::from))?;
     let settings = engine.settings(&wishes(args), Window::Any)?;
     let mut track = Track::default();
     engine.run(settings.clone(), Side::Recorded, &mut [&mut track])?;
-    let track_settings = TrackSettings { tolerance_m: args.tolerance, stop_s: Some(STOP_S) };
+    let track_settings = TrackSettings { tolerance_m: *args.tolerance, stop_s: Some(STOP_S) };
     let made = mission_of_track(&track.0, &track_settings)
         .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.shown())))?;
     let route = Route::from_mission(&made.mission).map_err(Failure::failed)?;

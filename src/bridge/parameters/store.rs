@@ -121,7 +121,7 @@ impl Tunables {
 }
 
 /// The shortest decimal that is this float: 0.1 and not 0.10000000149.
-fn decimal(value: f32) -> f64 {
+pub(super) fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::NAN)
 }
 

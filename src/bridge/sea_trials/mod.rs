@@ -2,6 +2,7 @@
 
 mod bad_links;
 mod company;
+mod descriptions;
 mod figures;
 mod gone;
 mod matrix;

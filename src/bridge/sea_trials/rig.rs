@@ -206,8 +206,13 @@ impl Rig {
 
     /// The ground station says something on its own link to the bridge.
     pub(super) fn say_directly(&mut self, message: &Message) {
+        self.say_directly_as(STATION, message);
+    }
+
+    /// Somebody says something there.
+    pub(super) fn say_directly_as(&mut self, who: Identity, message: &Message) {
         let mut bytes = Vec::new();
-        self.encoders[2].encode(STATION, message, &mut bytes);
+        self.encoders[2].encode(who, message, &mut bytes);
         let now = self.now;
         self.bridge().on_bytes(now, DIRECT, &bytes, true);
     }

@@ -29,8 +29,8 @@ impl ThrustCurve {
     #[must_use]
     pub fn thrust_n(&self, command: f64) -> f64 {
         let part = command.abs().min(1.0);
-        let knee = self.knee();
-        let relative = if part < knee { part / knee * STRAIGHT_PART } else { part.powf(self.exponent) };
+        let curved = part.powf(self.exponent);
+        let relative = if curved < STRAIGHT_PART { part / self.knee() * STRAIGHT_PART } else { curved };
         if command < 0.0 { -relative * self.astern_n } else { relative * self.ahead_n }
     }
 

@@ -37,7 +37,7 @@ fn worst_error(truth: &Hull, delay_ticks: usize) -> (f64, f64) {
     let mut predictor = Predictor::default();
     predictor.set_delay_s(dt_s * delay_ticks as f64);
     let mut ahead =
-        Ahead { state: moving(&at_rest(), WaterMotion::default(), current), motion: WaterMotion::default() };
+        Ahead::from(moving(&at_rest(), WaterMotion::default(), current), WaterMotion::default(), unit(0.0));
     let mut predictions = Vec::new();
     let mut worst = (0.0f64, 0.0f64);
     for i in 0..600 {
