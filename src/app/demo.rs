@@ -202,9 +202,10 @@ impl Demo {
             commands,
             complaint: None,
         };
-        let subject = Subject::of(drivable.name, world, Controller::default().as_str(), args.output.as_str());
+        let subject =
+            Subject::of(drivable.name.clone(), world, Controller::default().as_str(), args.output.as_str());
         let result = RunResult::new(&subject, outcome, self.boat.now().as_secs_f64());
-        result::write_report(&args.report, &result, world, self.recorder, &self.log)?;
+        result::write_report(&args.report, &result, world, &drivable, self.recorder, &self.log)?;
         if args.common.json {
             let picture = args.report.join(result::PICTURE);
             console::say(&serde_json::json!({ "result": result, "picture": picture }).to_string());

@@ -93,14 +93,15 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let outcome = run.run(limit);
     let wall_s = started.elapsed().as_secs_f64();
-    let subject = Subject::of(drivable.name, &world, args.controller.to_string(), args.trial.output.as_str());
+    let subject =
+        Subject::of(drivable.name.clone(), &world, args.controller.to_string(), args.trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     run.sitl_mut().end_scenario();
     let verdicts = run.sitl().verdicts().to_vec();
     let judged = scenario::check(&verdicts);
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {
-        result::write_report(folder, &result, &world, recorder, &log)?;
+        result::write_report(folder, &result, &world, &drivable, recorder, &log)?;
         tracing::info!("report in {}", folder.display());
     }
     if args.common.json {

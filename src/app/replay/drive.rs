@@ -53,7 +53,13 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
         made.mission.items.len(),
         made.deviation_m
     );
-    let drivable = Drivable { name: format!("{}, driven again", files.name()), mission: made.mission, route };
+    let drivable = Drivable {
+        name: format!("{}, driven again", files.name()),
+        mission: made.mission,
+        route,
+        fence: engine.scan.fence.clone(),
+        rally: engine.scan.rally.clone(),
+    };
     match &args.to {
         Some(url) => on_a_boat(args, url, &settings, &drivable, &what),
         None => {
@@ -127,11 +133,12 @@ fn in_the_simulator(args: &ReplayArgs, settings: WhatIfSettings, drivable: Driva
     let started = Instant::now();
     let outcome = run.run(trial.limit());
     let wall_s = started.elapsed().as_secs_f64();
-    let subject = Subject::of(drivable.name, &world, trial.controller.as_str(), trial.output.as_str());
+    let subject =
+        Subject::of(drivable.name.clone(), &world, trial.controller.as_str(), trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     let (recorder, log) = run.into_recorder();
     if !args.no_report {
-        result::write_report(&args.report, &result, &world, recorder, &log)?;
+        result::write_report(&args.report, &result, &world, &drivable, recorder, &log)?;
         tracing::info!("report in {}", args.report.display());
     }
     console::say(&if args.common.json { result.json()? } else { result.text() });

@@ -79,6 +79,7 @@ proptest! {
         let current = at(north, east);
         let course = |heading_rad: f64| (unit(heading_rad) * through_water + current).bearing_rad();
         let surge_mps = through_water + unit(heading).dot(current);
+        prop_assume!(surge_mps > LEAST_DRIFT_SPEED_MPS);
         let boat = VesselState { surge_mps, ..state(at(0.0, 0.0), heading) };
         let path = bent_path();
         let water = Water { current, ..Water::default() };
