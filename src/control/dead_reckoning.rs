@@ -29,10 +29,10 @@ const POSITION_NOISE_M2S: f64 = 0.018;
 /// Noise of the velocity as white noise over one second, m²/s: 0.07 m/s five times a second.
 const VELOCITY_NOISE_M2PS: f64 = 1.0e-3;
 /// Deviation of the velocity's constant error, m/s, and how much it changes in a second, (m/s)²/s.
-const OFFSET_MPS: f64 = 0.04;
+const OFFSET_MPS: f64 = 0.08;
 const OFFSET_WALK: f64 = 1.0e-7;
 /// Largest velocity offset that is believed, m/s.
-const MOST_OFFSET_MPS: f64 = 0.05;
+const MOST_OFFSET_MPS: f64 = 0.15;
 /// The gains are computed this often, s: the filter is slow.
 const CORRECTION_S: f64 = 0.4;
 /// A position this far from where the velocity has led is another one: the comparison starts anew, m.
