@@ -19,6 +19,7 @@
 //! | [`record`] | what a bridge records of itself, so that it can be replayed | files |
 //! | [`replay`] | logs through the controller: proof, what-if, comparison, play | sockets, clocks |
 //! | [`report`] | a run as a picture | where the run came from |
+//! | `thin` | long rows of samples in little room | what the samples are |
 //! | [`link`] | UDP, TCP, serial and in-memory transports | what the bytes mean |
 //! | [`app`] | the subcommands | |
 //!
@@ -35,4 +36,5 @@ pub mod record;
 pub mod replay;
 pub mod report;
 pub mod simulation;
+mod thin;
 pub mod vehicle;

@@ -187,7 +187,7 @@ fn options_that_make_no_sense() {
         (sitl("--home", "0,0"), &["--home 0,0", "both 0", "63.4389,10.399"]),
         (sitl("--home", "nan,10"), &["--home nan,10", "LAT,LON"]),
         (sitl("--boat", "tanker"), &["tanker", "otter"]),
-        (sitl("--speedup", "0"), &["--speedup 0", "choose"]),
+        (sitl("--speedup", "0"), &["--speedup", "'0'", "choose 0.01 to 1000", "max"]),
         (sitl("--speedup", "nan"), &["--speedup", "choose"]),
         (sitl("--sea", "hurricane"), &["hurricane", "rough"]),
         (sitl("--current", "fast"), &["fast", "0.3@90"]),

@@ -179,6 +179,14 @@ fn missions_are_checked_and_shown() {
     }
     let shown = json(&["show", FENCED]);
     assert_eq!(shown["fence_north_east_m"].as_array().unwrap().len(), 2, "{shown}");
+    // The same of a run.
+    let report = folder.at("run");
+    let run = Helmlink::run(&["simulate", FENCED, "--sensors", "perfect", "--report", &report, "-q"]);
+    assert!(run.status.success(), "{}", run.printed);
+    let drawn = std::fs::read_to_string(Path::new(&report).join("track.svg")).unwrap();
+    for word in ["driven track", "keep inside", "keep outside", ">R2<"] {
+        assert!(drawn.contains(word), "{word}");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use clap::Args;
 use super::cli::Common;
 use super::console;
 use super::failure::Failure;
+use super::ranges::{EffectDelayS, LengthM, TopSpeedMps, TurningCircleM};
 use super::trial;
 use crate::control::Boat;
 use crate::control::boat::derived::Particulars;
@@ -42,16 +43,16 @@ Example, for a boat of 2.8 m that makes 3.8 m/s and turns in 14 m:
 pub struct BoatArgs {
     /// Length of the hull, m
     #[arg(long, value_name = "M")]
-    pub length: f64,
+    pub length: LengthM,
     /// Speed through the water at full throttle, m/s
     #[arg(long, value_name = "M/S")]
-    pub top_speed: f64,
+    pub top_speed: TopSpeedMps,
     /// Diameter of the circle at full steering and half throttle, m
     #[arg(long, value_name = "M")]
-    pub turning_circle: f64,
+    pub turning_circle: TurningCircleM,
     /// From a command to its effect, seconds: transport, autopilot and servo
-    #[arg(long, default_value_t = 0.2, value_name = "S")]
-    pub delay: f64,
+    #[arg(long, default_value = "0.2", value_name = "S")]
+    pub delay: EffectDelayS,
     /// Name of the boat
     #[arg(long, default_value = "my-boat")]
     pub name: String,
@@ -65,10 +66,10 @@ pub struct BoatArgs {
 
 pub(super) fn run(args: &BoatArgs) -> Result<(), Failure> {
     let particulars = Particulars {
-        length_m: args.length,
-        top_speed_mps: args.top_speed,
-        turning_circle_m: args.turning_circle,
-        delay_s: args.delay,
+        length_m: *args.length,
+        top_speed_mps: *args.top_speed,
+        turning_circle_m: *args.turning_circle,
+        delay_s: *args.delay,
     };
     let text = Boat::derived_file(&args.name, &particulars).map_err(Failure::usage)?;
     // What is written can be used.

@@ -9,7 +9,6 @@ mod process;
 mod service_manager;
 mod signing;
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 use std::time::Duration;
 
@@ -29,11 +28,11 @@ use super::failure::Failure;
 use super::guarded::Guarded;
 use super::interrupt::interrupted;
 use super::mission;
-use super::ranges::{self, number_in};
+use super::ranges::{self, RateHz, SpeedMps, SystemId, WaitS};
 use super::recorder::{RecordArgs, Recorder};
 use super::state_dir::StateDirArgs;
 use super::trial;
-use crate::bridge::{Bridge, BridgeSettings, LEAST_SPEED_MPS, MissionSource, TICK};
+use crate::bridge::{Bridge, BridgeSettings, MissionSource, TICK};
 use crate::control::Boat;
 use crate::link::LinkUrl;
 use crate::pilot::failsafe::{FailsafeOption, FailsafeSettings};
@@ -71,8 +70,8 @@ pub struct BridgeArgs {
     #[arg(long, default_value = "otter", value_parser = ranges::boat)]
     pub boat: String,
     /// Speed over ground, m/s; the mission's own, or the vehicle's WP_SPEED, if not given
-    #[arg(long, value_name = "M/S", value_parser = number_in(SPEEDS_MPS, "m/s"))]
-    pub speed: Option<f64>,
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<SpeedMps>,
     /// Drive as soon as everything is ready and the boat is armed
     #[arg(long)]
     pub engage: bool,
@@ -98,19 +97,14 @@ pub struct BridgeArgs {
     #[allow(missing_docs)]
     pub recording: RecordArgs,
     /// The control loop's rate, Hz
-    #[arg(long, default_value_t = 25.0, value_name = "HZ", value_parser = number_in(RATES_HZ, "Hz"))]
-    pub rate: f64,
+    #[arg(long, default_value = "25", value_name = "HZ")]
+    pub rate: RateHz,
     /// The ground station's system id that overrides are sent with: the flight controller's SYSID_MYGCS
-    #[arg(long, default_value_t = 255, value_name = "ID")]
-    pub gcs_system: u8,
-    /// Give up when no heartbeat has come for this many seconds after the start
-    #[arg(
-        long,
-        default_value_t = 10.0,
-        value_name = "S",
-        value_parser = number_in(0.0..=LONGEST_WAIT_S, "seconds; 0 waits for ever")
-    )]
-    pub wait: f64,
+    #[arg(long, default_value = "255", value_name = "ID")]
+    pub gcs_system: SystemId,
+    /// Give up when no heartbeat has come for this many seconds after the start; 0 waits for ever
+    #[arg(long, default_value = "10", value_name = "S")]
+    pub wait: WaitS,
     /// End when the mission is complete
     #[arg(long)]
     pub once: bool,
@@ -130,12 +124,6 @@ pub struct BridgeArgs {
 
 /// After Ctrl-C the bridge has this long to stop the boat and let go.
 const STOPPING: Duration = Duration::from_secs(5);
-/// Longest wait for a heartbeat that is not for ever, seconds: a day.
-const LONGEST_WAIT_S: f64 = 86_400.0;
-/// Control rates that make sense, Hz: ArduRover sends at most 40 messages of a kind per second.
-const RATES_HZ: RangeInclusive<f64> = 2.0..=50.0;
-/// Speeds of any boat, m/s; each has its own limit below that.
-const SPEEDS_MPS: RangeInclusive<f64> = LEAST_SPEED_MPS..=100.0;
 
 pub(super) fn run(args: &BridgeArgs) -> Result<(), Failure> {
     run_for(args, boat::load(&args.boat)?)
@@ -171,7 +159,7 @@ fn remember(
 
 /// The settings that the options ask for.
 fn settings(args: &BridgeArgs, boat: Boat) -> Result<BridgeSettings, Failure> {
-    trial::check_speed(args.speed, &boat)?;
+    trial::check_speed(args.speed.map(f64::from), &boat)?;
     let mission = match args.mission.as_str() {
         "vehicle" if args.shadow => {
             return Err(Failure::usage(
@@ -189,14 +177,14 @@ fn settings(args: &BridgeArgs, boat: Boat) -> Result<BridgeSettings, Failure> {
         failsafes,
         mission,
         output: args.output,
-        speed_mps: args.speed,
-        control_interval_s: 1.0 / args.rate,
+        speed_mps: args.speed.map(f64::from),
+        control_interval_s: 1.0 / *args.rate,
         engage: args.engage,
         engage_mode: args.engage_mode,
         may_arm: args.arm,
         end_mode: args.end_mode,
         shadow: args.shadow,
-        ground_station_system: args.gcs_system,
+        ground_station_system: *args.gcs_system,
         ..BridgeSettings::new(boat)
     })
 }
@@ -274,7 +262,7 @@ struct Watch {
 
 impl Watch {
     fn new(args: &BridgeArgs) -> Self {
-        let wait = Duration::from_secs_f64(args.wait);
+        let wait = Duration::from_secs_f64(*args.wait);
         let wait = if wait.is_zero() { Duration::MAX } else { wait };
         Self { once: args.once, wait, found: None, finished: false }
     }

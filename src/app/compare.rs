@@ -10,6 +10,7 @@ use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission;
+use super::ranges::{Count, Threads};
 use super::result::{RunResult, Subject};
 use super::trial::{self, TrialArgs};
 use super::world::{World, WorldArgs};
@@ -58,15 +59,15 @@ pub struct CompareArgs {
     #[arg(long, default_value = "nominal", value_name = "LIST")]
     pub perturbations: String,
     /// How many seeds
-    #[arg(long, default_value_t = 10, value_name = "N")]
-    pub seeds: u64,
+    #[arg(long, default_value = "10", value_name = "N")]
+    pub seeds: Count,
     /// What is compared: the error against the legs (whole, settled, straight) or against the smooth path (path,
     /// path-straight), or how far the flight controller's own position is off, across the path (navigation)
     #[arg(long, default_value = "path", value_name = "METRIC")]
     pub metric: Metric,
     /// Threads; as many as the machine has, if not given. The result does not depend on it
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    pub threads: Option<Threads>,
     /// Write every run as a row of this file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -114,7 +115,7 @@ struct Entry {
 pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let drivable = mission::load(&args.mission)?;
     let entries = entries(args)?;
-    let threads = args.threads.unwrap_or_else(parallel::available_threads);
+    let threads = args.threads.map_or_else(parallel::available_threads, |threads| usize::from(*threads));
     let mut line = console::ProgressLine::new(&args.common);
     let started = Instant::now();
     let outcomes = parallel::map(
@@ -152,7 +153,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let text = if args.common.json {
         let comparison = Comparison {
             metric: args.metric,
-            seeds: args.seeds,
+            seeds: (*args.seeds).into(),
             verdict,
             cells: &cells,
             runs: rows().collect(),
@@ -168,9 +169,6 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
 /// Every run, in the order condition, perturbation, controller, seed.
 fn entries(args: &CompareArgs) -> Result<Vec<Entry>, Failure> {
     let controllers: Vec<Variant> = trial::list(&args.controllers)?;
-    if args.seeds == 0 {
-        return Err(Failure::usage("--seeds 0: at least one run of each is needed"));
-    }
     let perturbations: Vec<Perturbation> = match args.perturbations.as_str() {
         "grid" => Perturbation::GRID.to_vec(),
         text => trial::list(text)?,
@@ -179,7 +177,7 @@ fn entries(args: &CompareArgs) -> Result<Vec<Entry>, Failure> {
     for (nominal, sea, sensors) in conditions(args)? {
         for &perturbation in &perturbations {
             for variant in &controllers {
-                for seed in args.world.seed..args.world.seed + args.seeds {
+                for seed in args.world.seed..args.world.seed + u64::from(*args.seeds) {
                     let mut trial = Trial { controller: variant.controller, seed, ..nominal.clone() };
                     trial.boat.parts = variant.parts;
                     perturbation.apply(&mut trial);
@@ -262,7 +260,7 @@ fn progress(done: usize, total: usize, started: Instant) -> String {
 }
 
 fn summarise(args: &CompareArgs, entries: &[Entry], results: &[RunResult]) -> Vec<Cell> {
-    let per_controller = args.seeds as usize;
+    let per_controller = *args.seeds as usize;
     let controllers = args.controllers.split(',').count();
     entries
         .chunks(per_controller * controllers)
@@ -344,7 +342,7 @@ fn csv<'a>(rows: impl Iterator<Item = Row<'a>>) -> String {
 /// The tracks of all controllers in the first cell with its first seed.
 fn picture(args: &CompareArgs, entries: &[Entry], mission: &str) -> Result<String, Failure> {
     let first = &entries[0];
-    let per_controller = args.seeds as usize;
+    let per_controller = *args.seeds as usize;
     let controllers = args.controllers.split(',').count();
     let mut tracks = Vec::new();
     let mut ground = report::Run::default();

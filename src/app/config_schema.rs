@@ -6,6 +6,7 @@ use clap::{Arg, ArgAction, Command};
 use serde_json::{Map, Value, json};
 
 use super::config::NOT_IN_A_FILE;
+use super::ranges::{self, Bounds, Pace, Speedup};
 
 /// The schema of a file for all subcommands of `command`.
 pub(super) fn schema(command: &Command) -> Value {
@@ -76,27 +77,106 @@ fn kind(argument: &Arg) -> Value {
         argument.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
     if !choices.is_empty() {
         json!({ "enum": choices })
-    } else if is(&[TypeId::of::<f64>(), TypeId::of::<f32>()]) {
-        json!({ "type": "number" })
-    } else if is(&[
-        TypeId::of::<u8>(),
-        TypeId::of::<u16>(),
-        TypeId::of::<u32>(),
-        TypeId::of::<u64>(),
-        TypeId::of::<usize>(),
-    ]) {
+    } else if let Some(bounds) = ranges::bounds(|kind| is(&[kind])) {
+        number(bounds)
+    } else if is(&[TypeId::of::<Pace>()]) {
+        let speedup = ranges::bounds(|kind| kind == TypeId::of::<Speedup>()).map(number);
+        json!({ "anyOf": [speedup, { "const": Pace::MOST }] })
+    } else if is(&[TypeId::of::<u64>()]) {
+        // Seeds: any will do.
         json!({ "type": "integer", "minimum": 0 })
     } else {
         json!({ "type": "string" })
     }
 }
 
+fn number(bounds: Bounds) -> Value {
+    let Bounds { least, most, is_whole } = bounds;
+    if is_whole {
+        json!({ "type": "integer", "minimum": least as i64, "maximum": most as i64 })
+    } else {
+        json!({ "type": "number", "minimum": least, "maximum": most })
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use clap::CommandFactory;
+    use proptest::prelude::*;
 
     use super::*;
     use crate::app::cli::Cli;
+    use crate::app::config;
+
+    /// Table, key and schema of every option that takes a number.
+    fn numbers() -> Vec<(String, String, Value)> {
+        let schema = schema(&Cli::command());
+        let mut numbers = Vec::new();
+        for (table, of_table) in schema["properties"].as_object().unwrap() {
+            for (key, option) in of_table["properties"].as_object().unwrap() {
+                // What may be repeated, or may be a word, is a number all the same.
+                let one = if option["anyOf"].is_array() { &option["anyOf"][0] } else { option };
+                if one["type"] == "number" || one["type"] == "integer" {
+                    numbers.push((table.clone(), key.clone(), one.clone()));
+                }
+            }
+        }
+        numbers
+    }
+
+    /// Whether an editor that knows the schema lets the number stand.
+    fn schema_takes(schema: &Value, value: f64) -> bool {
+        let whole = schema["type"] != "integer" || value.fract() == 0.0;
+        let beyond = |key: &str| schema[key].as_f64();
+        whole
+            && beyond("minimum").is_none_or(|least| least <= value)
+            && beyond("maximum").is_none_or(|most| value <= most)
+    }
+
+    /// Whether helmlink takes it.
+    fn check_takes(table: &str, key: &str, schema: &Value, value: f64) -> bool {
+        let text = if schema["type"] == "integer" { format!("{value:.0}") } else { format!("{value:?}") };
+        let file = format!("[{table}]\n{key} = {text}\n");
+        config::check(Path::new("x.toml"), &file, &Cli::command()).is_ok()
+    }
+
+    #[test]
+    fn every_number_has_its_limits_and_the_schema_and_the_check_draw_them_at_the_same_place() {
+        let numbers = numbers();
+        assert!(numbers.len() > 40, "{}", numbers.len());
+        for (table, key, schema) in &numbers {
+            let is_seed = key.ends_with("seed");
+            assert!(schema["minimum"].is_number(), "{table}.{key}: {schema}");
+            assert!(schema["maximum"].is_number() || is_seed, "{table}.{key}: {schema}");
+            let step = if schema["type"] == "integer" { 1.0 } else { 1e-6 };
+            for (bound, beyond) in [("minimum", -step), ("maximum", step)] {
+                let Some(at) = schema[bound].as_f64() else { continue };
+                let beyond = at + beyond * at.abs().max(1.0);
+                let beyond = if schema["type"] == "integer" { beyond.round() } else { beyond };
+                assert!(check_takes(table, key, schema, at), "{table}.{key} = {at}");
+                assert!(!check_takes(table, key, schema, beyond), "{table}.{key} = {beyond}");
+                assert!(!schema_takes(schema, beyond), "{table}.{key} = {beyond}");
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn what_the_schema_refuses_helmlink_refuses_and_the_other_way_round(
+            size in -4.0..9.0_f64, sign in prop::sample::select(vec![-1.0, 1.0]), number in any::<prop::sample::Index>(),
+        ) {
+            let numbers = numbers();
+            let (table, key, schema) = &numbers[number.index(numbers.len())];
+            let value = sign * 10_f64.powf(size);
+            let value = if schema["type"] == "integer" { value.round() + 0.0 } else { value };
+            let (by_schema, by_check) = (schema_takes(schema, value), check_takes(table, key, schema, value));
+            prop_assert_eq!(by_schema, by_check, "{}.{} = {}", table, key, value);
+        }
+    }
 
     #[test]
     fn every_option_has_a_kind_and_a_description() {
@@ -107,12 +187,18 @@ mod tests {
         }
         let bridge = tables["bridge"]["properties"].as_object().unwrap();
         assert!(!bridge.contains_key("config") && !bridge.contains_key("dry-run"));
-        for (key, option) in bridge {
-            assert!(option["description"].is_string(), "{key}");
+        for (table, of_table) in tables {
+            assert!(of_table["description"].is_string(), "{table}");
+            for (key, option) in of_table["properties"].as_object().unwrap() {
+                assert!(option["description"].is_string(), "{table}.{key}");
+            }
         }
         assert_eq!(
             bridge["rate"],
-            json!({ "type": "number", "default": 25.0, "description": bridge["rate"]["description"] })
+            json!({
+                "type": "number", "minimum": 2.0, "maximum": 50.0, "default": 25.0,
+                "description": bridge["rate"]["description"],
+            })
         );
         assert_eq!(bridge["engage"]["type"], "boolean");
         assert_eq!(bridge["gcs-system"]["type"], "integer");

@@ -18,6 +18,7 @@ use super::interrupt::interrupted;
 use super::log_report::PAGE;
 use super::mission::{self, Drivable};
 use super::paced_sitl::{self, PacedSitl};
+use super::ranges::{SpeedMps, Speedup};
 use super::recorder::unix_time_us;
 use super::result::{self, RunResult, Subject};
 use super::sitl;
@@ -43,10 +44,10 @@ pub struct DemoArgs {
     pub mission: Option<PathBuf>,
     /// Speed over ground, m/s; the mission's own, or the boat's cruising speed, if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     /// How many times faster than real time
-    #[arg(long, default_value_t = 8.0, value_name = "N")]
-    pub speedup: f64,
+    #[arg(long, default_value = "8", value_name = "N")]
+    pub speedup: Speedup,
     /// Folder for the report
     #[arg(long, default_value = "helmlink-report", value_name = "DIR")]
     pub report: PathBuf,
@@ -73,13 +74,12 @@ const PREPARATION: Duration = Duration::from_secs(30);
 
 pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let world = World::from_args(&args.world)?;
-    sitl::check_speedup(args.speedup)?;
     let drivable = match &args.mission {
         Some(path) => mission::load(path)?,
         None => mission::sample()?,
     };
     let boat = Boat::embedded(&world.hull.name).map_err(Failure::usage)?;
-    check_speed(args.speed, &boat)?;
+    check_speed(args.speed.map(f64::from), &boat)?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     runtime.block_on(Demo::start(args, world, drivable, boat))
@@ -103,7 +103,7 @@ impl Demo {
         tracing::info!("the boat listens at tcp:{address}: connect any ground station there to watch");
         let settings = BridgeSettings {
             output: args.output,
-            speed_mps: args.speed.or(Some(boat.limits.cruise_mps)),
+            speed_mps: args.speed.map(f64::from).or(Some(boat.limits.cruise_mps)),
             engage: true,
             ..BridgeSettings::new(boat)
         };
@@ -111,7 +111,7 @@ impl Demo {
         bridge.keep_journal(unix_time_us());
         let mut demo = Self {
             boat: boat_edge,
-            station: connect(GroundStation::new(drivable.mission.clone(), args.speedup), &address).await?,
+            station: connect(GroundStation::new(drivable.mission.clone(), *args.speedup), &address).await?,
             bridge: connect(bridge, &address).await?,
             recorder: RunRecorder::new(home),
             sampled: Duration::ZERO,
@@ -134,7 +134,7 @@ impl Demo {
                 _ = self.boat.turn() => {}
                 _ = self.station.turn() => {}
                 _ = self.bridge.turn() => {}
-                _ = progress.tick() => line.show(&progress_text(&self.bridge.party.status(), args.speedup)),
+                _ = progress.tick() => line.show(&progress_text(&self.bridge.party.status(), *args.speedup)),
             }
             self.watch(line);
             if let Some(failure) = self.station.party.failure() {
@@ -202,9 +202,10 @@ impl Demo {
             commands,
             complaint: None,
         };
-        let subject = Subject::of(drivable.name, world, Controller::default().as_str(), args.output.as_str());
+        let subject =
+            Subject::of(drivable.name.clone(), world, Controller::default().as_str(), args.output.as_str());
         let result = RunResult::new(&subject, outcome, self.boat.now().as_secs_f64());
-        result::write_report(&args.report, &result, world, self.recorder, &self.log)?;
+        result::write_report(&args.report, &result, world, &drivable, self.recorder, &self.log)?;
         if args.common.json {
             let picture = args.report.join(result::PICTURE);
             console::say(&serde_json::json!({ "result": result, "picture": picture }).to_string());
@@ -234,7 +235,7 @@ async fn listen(args: &DemoArgs, sitl: Sitl) -> Result<(Edge<PacedSitl>, String)
     let address = hub.local_address(endpoint).ok_or_else(|| {
         Failure::usage("--listen must be an address to listen on, such as tcpin:127.0.0.1:5760")
     })?;
-    let edge = Edge::new(PacedSitl::new(sitl, args.speedup), hub, paced_sitl::tick(args.speedup));
+    let edge = Edge::new(PacedSitl::new(sitl, *args.speedup), hub, paced_sitl::tick(*args.speedup));
     Ok((edge, address.to_string()))
 }
 

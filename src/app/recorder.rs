@@ -13,6 +13,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use clap::Args;
 
 use super::failure::Failure;
+use super::ranges::Megabytes;
 use super::report;
 
 /// Where and how much is recorded.
@@ -22,19 +23,19 @@ pub struct RecordArgs {
     #[arg(long, value_name = "DIR")]
     pub record: Option<PathBuf>,
     /// Begin a new file of the log when one would grow larger than this, MB
-    #[arg(long, default_value_t = 256, value_name = "MB")]
-    pub record_file_mb: u64,
+    #[arg(long, default_value = "256", value_name = "MB")]
+    pub record_file_mb: Megabytes,
     /// Remove the oldest logs in the folder when all of them together grow larger than this, MB
-    #[arg(long, default_value_t = 8192, value_name = "MB")]
-    pub record_total_mb: u64,
+    #[arg(long, default_value = "8192", value_name = "MB")]
+    pub record_total_mb: Megabytes,
 }
 
 impl RecordArgs {
     fn limits(&self) -> RecordLimits {
         const MEGABYTE: u64 = 1_000_000;
         RecordLimits {
-            file_bytes: self.record_file_mb.max(1).saturating_mul(MEGABYTE),
-            total_bytes: self.record_total_mb.max(1).saturating_mul(MEGABYTE),
+            file_bytes: u64::from(*self.record_file_mb).saturating_mul(MEGABYTE),
+            total_bytes: u64::from(*self.record_total_mb).saturating_mul(MEGABYTE),
         }
     }
 

@@ -7,6 +7,7 @@ use clap::Args;
 use super::cli::Common;
 use super::failure::Failure;
 use super::log_report::{self, LogReport};
+use super::ranges::SystemId;
 use super::replay::{Engine, LogFiles, Wishes, export, finish_exports, mcap};
 use crate::replay::picture::Side;
 use crate::replay::what_if::{Sink, Window};
@@ -35,14 +36,14 @@ pub struct ReportArgs {
     pub mission: Option<PathBuf>,
     /// The vehicle to follow where the log holds several
     #[arg(long, value_name = "ID")]
-    pub system: Option<u8>,
+    pub system: Option<SystemId>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
 }
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
-    let mut engine = Engine::scan(LogFiles::find(&args.log)?, args.system)?;
+    let mut engine = Engine::scan(LogFiles::find(&args.log)?, args.system.map(u8::from))?;
     let wishes = Wishes { mission: args.mission.as_deref(), ..Wishes::default() };
     let settings = engine.settings(&wishes, Window::Driven)?;
     let mut exports = Vec::new();

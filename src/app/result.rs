@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::log_report::PAGE;
+use super::mission::Drivable;
 use super::world::World;
 use crate::report::{self, Run};
 use crate::simulation::score::{Score, Spread};
@@ -191,6 +192,7 @@ pub(super) fn write_report(
     folder: &Path,
     result: &RunResult,
     world: &World,
+    drivable: &Drivable,
     recorder: RunRecorder,
     log: &[u8],
 ) -> Result<(), Failure> {
@@ -202,7 +204,7 @@ pub(super) fn write_report(
         ))
     };
     fs::create_dir_all(folder).map_err(|error| fault(folder, error))?;
-    let run = picture(result, world, recorder);
+    let run = drivable.chart(picture(result, world, recorder));
     for (name, content) in [
         (PICTURE, report::track_svg(&run).into_bytes()),
         (PAGE, report::report_html(&run, &FILES).into_bytes()),

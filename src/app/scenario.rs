@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use helmlink_sitl::scenario::{Scenario, Verdict};
 
 use super::failure::Failure;
+use super::ranges::DepthM;
 use super::world::WorldArgs;
 
 /// A scenario file and where it lies.
@@ -72,7 +73,9 @@ impl ScenarioFile {
                 option.clone_from(value);
             }
         }
-        args.depth = world.depth_m.or(args.depth);
+        // The scenario's has been checked.
+        let depth = world.depth_m.and_then(|depth_m| DepthM::try_from(depth_m).ok());
+        args.depth = depth.or(args.depth);
         if let Some(seed) = world.seed {
             args.seed = seed;
         }

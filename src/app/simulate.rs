@@ -10,6 +10,7 @@ use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission;
+use super::ranges::RunS;
 use super::result::{self, RunResult, Subject};
 use super::scenario;
 use super::trial::{self, TrialArgs};
@@ -44,8 +45,8 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Give up after this much simulated time, seconds
-    #[arg(long, default_value_t = 14_400.0, value_name = "S")]
-    pub limit: f64,
+    #[arg(long, default_value = "14400", value_name = "S")]
+    pub limit: RunS,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub trial: TrialArgs,
@@ -69,8 +70,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     }
     let mut world = World::from_args(&world_args)?;
     let drivable = mission::load(&args.mission)?;
-    let limit = Duration::try_from_secs_f64(args.limit)
-        .map_err(|_| Failure::usage("--limit must be a positive number of seconds"))?;
+    let limit = Duration::from_secs_f64(*args.limit);
     let mut trial = args.trial.trial(args.controller.controller, &world, &drivable)?;
     if let Some(scenario) = named {
         trial::set_scenario(&mut trial, scenario);
@@ -93,14 +93,15 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let outcome = run.run(limit);
     let wall_s = started.elapsed().as_secs_f64();
-    let subject = Subject::of(drivable.name, &world, args.controller.to_string(), args.trial.output.as_str());
+    let subject =
+        Subject::of(drivable.name.clone(), &world, args.controller.to_string(), args.trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     run.sitl_mut().end_scenario();
     let verdicts = run.sitl().verdicts().to_vec();
     let judged = scenario::check(&verdicts);
     let (recorder, log) = run.into_recorder();
     if let Some(folder) = &args.report {
-        result::write_report(folder, &result, &world, recorder, &log)?;
+        result::write_report(folder, &result, &world, &drivable, recorder, &log)?;
         tracing::info!("report in {}", folder.display());
     }
     if args.common.json {

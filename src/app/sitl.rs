@@ -20,6 +20,7 @@ use super::interrupt::interrupted;
 use super::mission;
 use super::paced_sitl::{self, PacedSitl};
 use super::parameter_file::{self, ParameterFile};
+use super::ranges::{Pace, RunS};
 use super::recorder::RecordArgs;
 use super::scenario::{self, ScenarioFile};
 use super::world::{World, WorldArgs};
@@ -43,8 +44,8 @@ pub struct SitlArgs {
     #[arg(long, value_name = "URL", default_value = "tcpin:127.0.0.1:5760")]
     pub listen: Vec<LinkUrl>,
     /// How many times faster than real time, or `max` for as fast as the machine goes
-    #[arg(long, default_value = "1", value_name = "N|max", value_parser = parse_speedup)]
-    pub speedup: f64,
+    #[arg(long, default_value = "1", value_name = "N|max")]
+    pub speedup: Pace,
     /// A scenario: one that comes with helmlink (bad-link, freshening-wind, gps-loss, lost-rudder, rising-sea,
     /// tired-battery) or a file.
     /// Ends with exit code 1 when an expectation does not come true
@@ -69,7 +70,7 @@ pub struct SitlArgs {
     pub arm: bool,
     /// End after so much simulated time, seconds
     #[arg(long, value_name = "S")]
-    pub duration: Option<f64>,
+    pub duration: Option<RunS>,
     /// Start with time stopped; a client lets it pass (see docs/simulator.md)
     #[arg(long)]
     pub paused: bool,
@@ -99,8 +100,6 @@ pub struct SitlArgs {
 const DEFAULT_HOME: Geodetic = Geodetic { latitude_deg: 63.4389, longitude_deg: 10.399 };
 /// A waypoint closer to the boat than this gives no direction, metres.
 const AT_HOME_M: f64 = 1.0;
-/// Multiples of real time that make sense.
-const SPEEDUPS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 /// How often a boat that cannot keep its pace is complained of.
 const COMPLAINT_INTERVAL: Duration = Duration::from_secs(10);
 
@@ -111,9 +110,6 @@ pub(super) fn run(args: &SitlArgs) -> Result<(), Failure> {
         scenario.apply(&mut world_args);
     }
     let world = World::from_args(&world_args)?;
-    if args.speedup != paced_sitl::MAX {
-        check_speedup(args.speedup)?;
-    }
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::failed)?;
     if let Some(address) = args.ardupilot_json {
@@ -165,21 +161,6 @@ fn signing(path: &std::path::Path) -> Result<(SigningKey, Timestamp), Failure> {
     let key = SigningKey::from_file_contents(&contents).map_err(|error| fault(error.to_string()))?;
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     Ok((key, Timestamp::from_unix(now)))
-}
-
-/// A number, or `max`.
-fn parse_speedup(text: &str) -> Result<f64, String> {
-    match text {
-        "max" => Ok(paced_sitl::MAX),
-        number => number.parse().map_err(|_| "give a number, or max".to_owned()),
-    }
-}
-
-pub(super) fn check_speedup(speedup: f64) -> Result<(), Failure> {
-    if SPEEDUPS.contains(&speedup) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--speedup {speedup}: choose {} to {}", SPEEDUPS.start(), SPEEDUPS.end())))
 }
 
 /// The simulated boat in its world.
@@ -253,22 +234,20 @@ async fn serve(args: &SitlArgs, sitl: Sitl) -> Result<(), Failure> {
             console::say(&serde_json::json!({ "listen": url.to_string(), "address": address }).to_string());
         }
     }
-    let mut boat = PacedSitl::new(sitl, args.speedup);
+    let mut boat = PacedSitl::new(sitl, *args.speedup);
     let ends = args.duration.is_some() || args.scenario.is_some();
     if ends {
         boat.keep_digest();
     }
     if let Some(duration_s) = args.duration {
-        let end = Duration::try_from_secs_f64(duration_s)
-            .map_err(|_| Failure::usage(format!("--duration {duration_s}: give seconds, more than 0")))?;
-        boat.end_at(end);
+        boat.end_at(Duration::from_secs_f64(*duration_s));
     }
     let mut recorder = args.recording.start(|start_us| {
         boat.keep_log(start_us);
         Vec::new()
     })?;
     let mut parameters = args.params.clone().map(|path| ParameterFile::new(path, &boat.sitl));
-    let mut edge = Edge::new(boat, hub, paced_sitl::tick(args.speedup));
+    let mut edge = Edge::new(boat, hub, paced_sitl::tick(*args.speedup));
     let mut interrupt = std::pin::pin!(interrupted());
     let mut complained = (Duration::ZERO, Duration::ZERO);
     while !edge.party.is_over() {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::mission::Drivable;
+use super::ranges::{DelayS, RateHz, SpeedMps, TurnRadiusM};
 use super::sitl;
 use super::world::World;
 use crate::bridge::LEAST_SPEED_MPS;
@@ -18,16 +19,16 @@ use crate::vehicle::OutputKind;
 pub struct TrialArgs {
     /// Speed over ground, m/s; the mission's own, or the boat's cruising speed, if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     /// By which messages the bridge steers
     #[arg(long, default_value = "rc-override", value_name = "rc-override|manual-control|guided")]
     pub output: OutputKind,
     /// The control loop's rate, Hz
-    #[arg(long, default_value_t = 25.0, value_name = "HZ")]
-    pub rate: f64,
+    #[arg(long, default_value = "25", value_name = "HZ")]
+    pub rate: RateHz,
     /// Time that commands need to the boat, seconds
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
-    pub delay: f64,
+    #[arg(long, default_value = "0", value_name = "S")]
+    pub delay: DelayS,
     /// Gains in place of the boat's own, as `helmlink tune` writes them
     #[arg(long, value_name = "FILE")]
     pub gains: Option<PathBuf>,
@@ -36,7 +37,7 @@ pub struct TrialArgs {
     pub boat_file: Option<PathBuf>,
     /// Radius of the path's corners in place of the boat's own, m
     #[arg(long, value_name = "M")]
-    pub turn_radius: Option<f64>,
+    pub turn_radius: Option<TurnRadiusM>,
 }
 
 impl TrialArgs {
@@ -57,7 +58,7 @@ impl TrialArgs {
                 .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
         }
         if let Some(radius_m) = self.turn_radius {
-            boat.limits.turn_radius_m = radius_m;
+            boat.limits.turn_radius_m = *radius_m;
             boat.check().map_err(|error| Failure::usage(format!("--turn-radius: {error}")))?;
         }
         Ok(boat)
@@ -74,26 +75,21 @@ impl TrialArgs {
         drivable: &Drivable,
     ) -> Result<Trial, Failure> {
         let boat = self.boat(&world.hull.name)?;
-        check_speed(self.speed, &boat)?;
-        if !(2.0..=50.0).contains(&self.rate) {
-            return Err(Failure::usage(format!("--rate {}: choose 2 to 50 Hz", self.rate)));
-        }
-        if !(0.0..=1.5).contains(&self.delay) {
-            return Err(Failure::usage(format!("--delay {}: choose 0 to 1.5 s", self.delay)));
-        }
+        let speed_mps = self.speed.map(f64::from);
+        check_speed(speed_mps, &boat)?;
         let home = sitl::home(world, Some(&drivable.mission));
         let toward = sitl::first_target(home, &drivable.route);
         Ok(Trial {
             boat,
             controller,
             output: self.output,
-            speed_mps: self.speed,
-            interval_s: 1.0 / self.rate,
+            speed_mps,
+            interval_s: 1.0 / *self.rate,
             hull: world.hull.clone(),
             sea: world.sea,
             sensors: world.sensors,
             seed: world.seed,
-            delay_s: self.delay,
+            delay_s: *self.delay,
             mission: drivable.mission.clone(),
             route: drivable.route.clone(),
             home,

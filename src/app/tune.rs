@@ -9,6 +9,7 @@ use super::cli::Common;
 use super::console;
 use super::failure::Failure;
 use super::mission::{self, Drivable};
+use super::ranges::{Count, Threads};
 use super::trial::{self, TrialArgs};
 use super::world::{World, WorldArgs};
 use crate::control::gains::{self, Gain};
@@ -37,8 +38,8 @@ pub struct TuneArgs {
     #[arg(long, default_value = "pi-smc,pi-smc-paper,pid,ilos-pid,alos-pid,sign-smc", value_name = "LIST")]
     pub controllers: String,
     /// Candidates to try for each controller
-    #[arg(long, default_value_t = 120, value_name = "N")]
-    pub budget: usize,
+    #[arg(long, default_value = "120", value_name = "N")]
+    pub budget: Count,
     /// Named seas to train in, comma separated
     #[arg(long, default_value = "calm,moderate", value_name = "LIST")]
     pub seas: String,
@@ -46,14 +47,14 @@ pub struct TuneArgs {
     #[arg(long, default_value = "nominal,mass*1.5,delay=0.4", value_name = "LIST")]
     pub perturbations: String,
     /// How many training seeds; the first is --seed
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    pub seeds: u64,
+    #[arg(long, default_value = "1", value_name = "N")]
+    pub seeds: Count,
     /// Seed of the search itself
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub search_seed: u64,
     /// Threads; as many as the machine has, if not given. The result does not depend on it
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    pub threads: Option<Threads>,
     /// Write the gains into this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -103,16 +104,13 @@ pub(super) fn run(args: &TuneArgs) -> Result<(), Failure> {
 
 /// Everything that a candidate is tried on.
 fn cases(args: &TuneArgs, drivable: &Drivable) -> Result<Vec<Trial>, Failure> {
-    if args.seeds == 0 || args.budget == 0 {
-        return Err(Failure::usage("--seeds and --budget must be at least 1"));
-    }
     let perturbations: Vec<Perturbation> = trial::list(&args.perturbations)?;
     let mut cases = Vec::new();
     for sea in args.seas.split(',') {
         let world = World::from_args(&WorldArgs { sea: sea.trim().to_owned(), ..args.world.clone() })?;
         let nominal = args.trial.trial(Controller::PiSmc, &world, drivable)?;
         for &perturbation in &perturbations {
-            for seed in args.world.seed..args.world.seed + args.seeds {
+            for seed in args.world.seed..args.world.seed + u64::from(*args.seeds) {
                 let mut case = Trial { seed, ..nominal.clone() };
                 perturbation.apply(&mut case);
                 cases.push(case);
@@ -127,12 +125,13 @@ fn tune(args: &TuneArgs, controller: Controller, cases: &[Trial]) -> Result<Tune
     let gains: Vec<Gain> = controller.gains().into_iter().filter(|gain| gain.tuned).collect();
     let start = tuning::start(&boat, &gains);
     let mut search = Search::new(start.clone(), FIRST_STEP, args.search_seed);
-    let threads = args.threads.unwrap_or_else(parallel::available_threads);
+    let threads = args.threads.map_or_else(parallel::available_threads, |threads| usize::from(*threads));
     let mut line = console::ProgressLine::new(&args.common);
+    let budget = *args.budget as usize;
     let (mut evaluations, mut history, mut start_cost_m) = (0, Vec::new(), f64::INFINITY);
-    while evaluations < args.budget {
+    while evaluations < budget {
         let mut candidates = search.ask();
-        candidates.truncate(args.budget - evaluations);
+        candidates.truncate(budget - evaluations);
         let costs = costs_m(controller, &boat, &gains, &start, &candidates, cases, threads)?;
         if evaluations == 0 {
             start_cost_m = costs[0];

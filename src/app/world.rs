@@ -6,6 +6,7 @@ use helmlink_sitl::physics::sea::{Current, Waves, Wind, checked_depth_m};
 use helmlink_sitl::physics::{Hull, Sea, SeaState, SensorSettings};
 
 use super::failure::Failure;
+use super::ranges::DepthM;
 
 /// The boat and the sea of a simulation.
 #[derive(Debug, Clone, Args)]
@@ -27,7 +28,7 @@ pub struct WorldArgs {
     pub waves: Option<String>,
     /// Depth of the water in m, for the drag of a near bottom; deep if not given
     #[arg(long, value_name = "M")]
-    pub depth: Option<f64>,
+    pub depth: Option<DepthM>,
     /// How good the boat's sensors are: perfect, typical or poor
     #[arg(long, default_value = "typical")]
     pub sensors: String,
@@ -77,7 +78,7 @@ impl World {
             sea_text.push_str(&format!(", {option} {text}"));
         }
         if let Some(depth_m) = args.depth {
-            sea.depth_m = Some(depth_for(&hull, depth_m)?);
+            sea.depth_m = Some(depth_for(&hull, *depth_m)?);
             sea_text.push_str(&format!(", depth {depth_m} m"));
         }
         let sensors = args.sensors.parse().map_err(Failure::usage)?;

@@ -221,7 +221,7 @@ impl Bridge {
         let Some(vehicle) = self.vehicle else { return };
         self.steering.demand = demand;
         self.steering.pace.on_frame(self.now);
-        let message = self.output.drive(vehicle.id, demand);
+        let message = self.output.drive(self.now.as_secs_f64(), vehicle.id, demand);
         self.send_command(vehicle, &message);
     }
 

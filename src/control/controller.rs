@@ -47,7 +47,7 @@ pub(super) struct Equipment {
     pub(super) predicts: bool,
     /// The rate of the wanted heading reaches the law.
     pub(super) feeds_forward: bool,
-    /// The law learns parameters and disturbance bounds, where it can.
+    /// The law learns parameters and disturbance bounds, and the helm the hull's sway.
     pub(super) adapts: bool,
 }
 
@@ -82,7 +82,7 @@ impl Controller {
             observes_state: is_ours,
             predicts: is_ours,
             feeds_forward: true,
-            adapts: true,
+            adapts: matches!(self, Self::PiSmc | Self::PiSmcPaper),
         }
     }
 

@@ -12,7 +12,7 @@ use super::model::{Hull, SwayModel, WaterMotion};
 use super::observer::Observer;
 use super::predictor::Predictor;
 use super::response::{MeasuredDelay, YawResponse};
-use super::sensor_bias::{CompassError, CompassOffset, VelocityOffset};
+use super::sensor_bias::{CompassError, SwayBalance, VelocityOffset};
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError, VesselState, Water, unit};
 
@@ -112,7 +112,7 @@ pub struct Helm {
     drift: DriftEstimator,
     observer: Option<Observer>,
     velocity_offset: VelocityOffset,
-    compass_offset: CompassOffset,
+    balance: SwayBalance,
     predictor: Predictor,
     response: YawResponse,
     /// Forces of the last command.
@@ -142,7 +142,7 @@ impl Helm {
             drift: DriftEstimator::default(),
             observer: equipment.observes_state.then(|| Observer::new(boat.observer)),
             velocity_offset: VelocityOffset::default(),
-            compass_offset: CompassOffset::default(),
+            balance: SwayBalance::new(if equipment.adapts { boat.guidance.sway_spread } else { 0.0 }),
             predictor: Predictor::default(),
             response: YawResponse::new(&boat.hull),
             commanded: Wrench::default(),
@@ -179,7 +179,7 @@ impl Helm {
     /// What the compass is off by, as far as turns in a current have told.
     #[must_use]
     pub fn compass_error(&self) -> CompassError {
-        self.compass_offset.error()
+        self.balance.compass()
     }
 
     /// Takes over from `state`, near arc length `progress_m` of the path, without a jump in speed or turn.
@@ -258,7 +258,7 @@ impl Helm {
         let current = self.drift.current();
         let (state, motion) = self.predictor.predict(dt_s, &self.hull, state, measured, current);
         let state = &state;
-        let water = Water { sway_mps: motion.sway_mps, current };
+        let water = Water { sway_mps: motion.sway_mps, sway_excess: self.balance.excess(), current };
         let mut reference = self.guidance.step(dt_s, &GuidanceInput { state, path, speed_mps, water });
         if !self.equipment.feeds_forward {
             reference.heading_rate_radps = 0.0;
@@ -303,8 +303,9 @@ impl Helm {
         let surge_mps = state.surge_mps - along;
         let rate = state.yaw_rate_radps;
         let sway_mps = self.sway.step(dt_s, &self.hull, surge_mps, rate, self.commanded.sway_n);
+        self.balance.learn(dt_s, state, sway_mps);
+        let sway_mps = (1.0 + self.balance.excess()) * sway_mps;
         self.drift.step(dt_s, state, sway_mps, self.drift_time_s);
-        self.compass_offset.learn(dt_s, state, sway_mps);
         WaterMotion { surge_mps, sway_mps, yaw_rate_radps: rate }
     }
 }

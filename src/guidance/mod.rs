@@ -43,6 +43,10 @@ pub struct GuidanceSettings {
     pub lead_softness_m: f64,
     /// Time constant T_b of the drift estimate, s.
     pub drift_time_s: f64,
+    /// How far the hull's sway may be from its model's, as a part of that (deviation): it is learned within this. 0 takes
+    /// the model as it is.
+    #[serde(default)]
+    pub sway_spread: f64,
     /// How far ahead in time the path's curvature is fed forward: the lag from a demanded yaw rate to a real
     /// one, s.
     pub preview_s: f64,
@@ -73,8 +77,10 @@ pub enum EndOfPath {
 /// What is believed of the water the boat moves in.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Water {
-    /// Sway through the water from the hull model, m/s.
+    /// Sway through the water, m/s.
     pub sway_mps: f64,
+    /// How much more the hull sways than its model, as a part of that.
+    pub sway_excess: f64,
     /// Velocity of the water over ground, north-east, m/s.
     pub current: NorthEast,
 }

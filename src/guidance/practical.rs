@@ -118,7 +118,7 @@ impl Guidance for Practical {
         let heading_error_rad = self.heading_error(heading_rad, state.heading_rad);
         let preview_radps = self.preview_radps(path, &here, foot_mps);
         let planned_radps = here.foot.curvature_radpm * foot_mps + preview_radps;
-        let planned_drift_radps = self.planned_drift_radps(dt_s, state, planned_radps);
+        let planned_drift_radps = self.planned_drift_radps(dt_s, input, planned_radps);
         let course_radps = aim.radps - bias.radps + preview_radps;
         Reference {
             heading_rad: ssa(heading_rad),
@@ -157,7 +157,7 @@ impl Practical {
     fn drift(&mut self, dt_s: f64, input: &GuidanceInput<'_>, bow: NorthEast) -> Drift {
         let along = bow.dot(input.water.current);
         let current_across = bow.cross(input.water.current);
-        let across = self.planned_sway.sway_mps() + current_across;
+        let across = (1.0 + input.water.sway_excess) * self.planned_sway.sway_mps() + current_across;
         let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         let squared = surge * surge + across * across;
         let course_per_yaw = 1.0 - (surge * along + across * current_across) / squared;
@@ -190,10 +190,12 @@ impl Practical {
 
     /// Rate of the drift angle that the planned turn brings, rad/s. Planned, not measured: fed back, the measured
     /// one would raise the gain of the yaw loop.
-    fn planned_drift_radps(&mut self, dt_s: f64, state: &VesselState, planned_radps: f64) -> f64 {
-        let surge = state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
+    fn planned_drift_radps(&mut self, dt_s: f64, input: &GuidanceInput<'_>, planned_radps: f64) -> f64 {
+        let surge = input.state.surge_mps.max(LEAST_DRIFT_SPEED_MPS);
         self.planned_sway.step(dt_s, &self.hull, surge, planned_radps, 0.0);
-        self.planned_sway.rate_mps2() * surge / (surge * surge + self.planned_sway.sway_mps().powi(2))
+        let part = 1.0 + input.water.sway_excess;
+        let sway = part * self.planned_sway.sway_mps();
+        part * self.planned_sway.rate_mps2() * surge / (surge * surge + sway * sway)
     }
 
     /// Virtual control α_u: the paper's law projected on the path's tangent.

@@ -11,7 +11,6 @@
 //! | [`watch`] | follows one vehicle through a log, at the vehicle's own time |
 //! | [`reorder`] | records that are out of order, put in order |
 //! | [`what_if`] | the recorded boat through the controller |
-//! | `thinned` | samples of a log of any length in bounded memory |
 //! | [`picture`] | a replay as a run that can be drawn |
 //! | [`export`] | CSV, JSON, telemetry log, MCAP |
 //! | [`play`] | which frame is due when, at any pace |
@@ -26,7 +25,6 @@ pub mod recording;
 pub mod reorder;
 pub mod scan;
 pub mod servo;
-mod thinned;
 pub mod watch;
 pub mod what_if;
 

@@ -3,9 +3,9 @@
 use helmlink_mission::geodesy::{Geodetic, LocalFrame};
 
 use super::scan::Scan;
-use super::thinned::Thinned;
 use super::what_if::{Moment, Sink, WhatIf};
 use crate::report::{Curve, FenceArea, Panel, Run, TrackPoint};
+use crate::thin::Thinned;
 
 /// Spacing of the points that show a smooth path, metres.
 const PATH_SPACING_M: f64 = 0.5;

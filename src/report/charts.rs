@@ -2,9 +2,9 @@
 
 use super::svg::{Anchor, Area, Point, Style, Svg};
 use super::theme;
-use super::thin::keep_extremes;
 use super::ticks::{self, Range};
 use super::{Run, TrackPoint, is_reading, tables};
+use crate::thin::keep_extremes;
 
 /// The least height that the charts need together, pixels.
 pub(super) const LEAST_HEIGHT: f64 = 450.0;

@@ -2,9 +2,9 @@
 
 use super::map::{self, Projection};
 use super::svg::{Anchor, Area, Point, Style, Svg};
-use super::thin::keep_extremes;
 use super::ticks::{self, Range};
 use super::{MARGIN, Run, TrackPoint, WIDTH, header, header_height, is_plausible, is_reading, theme};
+use crate::thin::keep_extremes;
 
 /// Colours of the runs, in their order: those of Okabe and Ito (2008).
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];

@@ -4,9 +4,9 @@ use super::legend::ErrorScale;
 use super::marks;
 use super::svg::{Anchor, Area, Point, Style, Svg};
 use super::theme;
-use super::thin::keep_extremes;
 use super::ticks::{self, Range};
 use super::{Run, TrackPoint, is_plausible};
+use crate::thin::keep_extremes;
 use helmlink_mission::geodesy::NorthEast;
 
 /// Left and below the map, for the labels of the grid, pixels.

@@ -11,7 +11,6 @@
 //! | `curves` | curves of several runs over one time axis |
 //! | `theme` | colours and letters |
 //! | `ticks` | round numbers |
-//! | `thin` | which samples of a long run are worth drawing |
 //! | `comparison` | several runs of one mission in one picture |
 //! | `svg` | the file format |
 //!
@@ -29,7 +28,6 @@ mod marks;
 mod svg;
 mod tables;
 mod theme;
-mod thin;
 mod ticks;
 
 #[cfg(test)]
@@ -42,7 +40,6 @@ use svg::{Area, Point, Style, Svg};
 
 pub use curves::{Curve, Panel, curves_svg};
 pub use html::report_html;
-pub(crate) use thin::keep_extremes;
 
 /// Width of the picture, pixels.
 const WIDTH: f64 = 1200.0;

@@ -112,7 +112,7 @@ impl RunRecorder {
         self.scorer.as_ref().map(Scorer::score)
     }
 
-    /// The run as a picture wants it, still without title and figures.
+    /// The run as a picture wants it, in metres from the first waypoint, still without title and figures.
     pub fn into_run(self) -> crate::report::Run {
         crate::report::Run {
             mission: self.waypoints,

@@ -3,12 +3,14 @@
 use helmlink_mission::geodesy::NorthEast;
 use serde::Serialize;
 
+use crate::thin::Sampled;
+
 /// Samples this long after a change of leg count as settled, seconds.
 const SETTLED_AFTER_S: f64 = 40.0;
 /// Samples farther than this from every waypoint count as straight, metres.
 const STRAIGHT_BEYOND_M: f64 = 10.0;
-/// Errors kept for the percentile at the most.
-const MOST_ERRORS: usize = 1 << 19;
+/// Errors kept for the percentile at the most: seven hours at ten a second.
+const MOST_ERRORS: usize = 1 << 18;
 
 /// Root mean square, mean, 95th percentile and maximum of a set of absolute errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -216,12 +218,10 @@ pub fn distance_to_segment_m(point: NorthEast, from: NorthEast, to: NorthEast) -
     (point - (from + along * share)).norm()
 }
 
-/// Absolute errors, all of them where they are fewer than [`MOST_ERRORS`]: half a day at ten a second. Of a longer run every
-/// second, fourth, … stays, for the percentile alone; the other figures are of all.
+/// Absolute errors. Of more than [`MOST_ERRORS`] the percentile is that of a fair sample; the other figures are of all.
 #[derive(Debug, Clone)]
 struct Errors {
-    kept: Vec<f64>,
-    every: u64,
+    kept: Sampled<f64>,
     count: u64,
     sum: f64,
     squares: f64,
@@ -230,23 +230,13 @@ struct Errors {
 
 impl Default for Errors {
     fn default() -> Self {
-        Self { kept: Vec::new(), every: 1, count: 0, sum: 0.0, squares: 0.0, max: 0.0 }
+        Self { kept: Sampled::new(MOST_ERRORS), count: 0, sum: 0.0, squares: 0.0, max: 0.0 }
     }
 }
 
 impl Errors {
     fn push(&mut self, error: f64) {
-        if self.kept.len() >= MOST_ERRORS {
-            let mut index = 0;
-            self.kept.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.every *= 2;
-        }
-        if self.count.is_multiple_of(self.every) {
-            self.kept.push(error);
-        }
+        self.kept.push(self.count, error);
         self.count += 1;
         self.sum += error;
         self.squares += error * error;
@@ -254,10 +244,10 @@ impl Errors {
     }
 
     fn spread(&self) -> Option<Spread> {
-        if self.kept.is_empty() {
+        let mut sorted: Vec<f64> = self.kept.iter().copied().collect();
+        if sorted.is_empty() {
             return None;
         }
-        let mut sorted = self.kept.clone();
         let rank = (0.95 * sorted.len() as f64).ceil() as usize;
         let rank = rank.clamp(1, sorted.len()) - 1;
         let (_, p95, _) = sorted.select_nth_unstable_by(rank, f64::total_cmp);
@@ -312,7 +302,7 @@ mod tests {
         let mut errors = Errors::default();
         let count = 3 * MOST_ERRORS;
         (0..count).for_each(|number| errors.push(((number * 7919) % 1000) as f64));
-        assert!(errors.kept.len() <= MOST_ERRORS);
+        assert!(errors.kept.iter().count() <= MOST_ERRORS);
         let spread = errors.spread().unwrap();
         assert!((spread.mean - 499.5).abs() < 0.01 && spread.max == 999.0, "{spread:?}");
         assert!((spread.p95 - 949.0).abs() <= 2.0, "{spread:?}");

@@ -11,6 +11,8 @@
 //! | `rc`, `guided`, `auto`, `breadcrumbs` | where the orders come from |
 //! | `navigation`, `steering`, `outputs` | from places to turn rates to actuators |
 //! | `tuning` | the gains for a hull |
+//! | `boot` | starting, and starting anew |
+//! | `owner` | what whoever runs the simulation sees and asks for |
 //!
 //! It runs in loops of 20 ms: [`Autopilot::control`] reads what has arrived and steers, the owner moves the
 //! boat, [`Autopilot::sense`] takes in the new estimate, [`Autopilot::transmit`] sends what is due.
@@ -19,6 +21,7 @@
 mod arming;
 mod auto;
 mod battery;
+mod boot;
 mod breadcrumbs;
 mod commands;
 mod failsafe;
@@ -34,6 +37,7 @@ mod modes;
 mod motion;
 mod navigation;
 mod outputs;
+mod owner;
 mod parameters;
 mod rc;
 mod reception;
@@ -56,10 +60,9 @@ use helmlink_mission::geodesy::{Geodetic, LocalFrame, NorthEast};
 use helmlink_mission::plan::Item;
 use helmlink_mission::protocol::MissionType;
 use helmlink_mission::protocol::server::{MissionServer, Settings as MissionSettings};
+use helmlink_wire::LinkId;
 use helmlink_wire::dialect::{Message, TIMESYNC_DATA};
-use helmlink_wire::enums::{MAV_COMP_ID_AUTOPILOT1, MAV_SEVERITY_INFO};
 use helmlink_wire::signing::{Signing, Timestamp};
-use helmlink_wire::{Identity, LinkId};
 
 pub(crate) use modes::{mode_name, mode_number};
 pub use settings::{AutopilotSettings, StartUp};
@@ -67,9 +70,9 @@ pub use settings::{AutopilotSettings, StartUp};
 use crate::SitlError;
 use crate::clock::Clock;
 use crate::physics::{ActuatorCommand, Estimate, Hull, State};
-use crate::scenario::Observation;
 use auto::Auto;
 use battery::Battery;
+use boot::own_identity;
 use breadcrumbs::Breadcrumbs;
 use failsafe::Failsafe;
 use faults::FaultClock;
@@ -95,8 +98,6 @@ const TIMESYNC_PERIOD: Duration = Duration::from_secs(10);
 const RUNTIME_PERIOD: Duration = Duration::from_secs(30);
 /// Time constant of the drift angle's filter, in time constants of the heading.
 const DRIFT_SHARE: f64 = 4.0;
-/// After a restart the first HEARTBEAT comes this late (measured: about a second).
-const BOOT_SILENCE: Duration = Duration::from_secs(1);
 /// Current drawn at rest, and by the motors at full revolutions on top, A.
 const CURRENT_A: (f64, f64) = (0.5, 20.0);
 
@@ -317,74 +318,12 @@ impl Autopilot {
         now / period > now.saturating_sub(LOOP.as_nanos()) / period
     }
 
-    /// What happens once in the course of starting.
-    fn start_up(&mut self) {
-        if self.mode == Mode::Initialising && self.is_initialised() {
-            let wanted = u32::try_from(self.parameters.int(INITIAL_MODE)).unwrap_or_default();
-            let mode = Mode::from_number(wanted).unwrap_or(Mode::Manual);
-            self.links.text(MAV_SEVERITY_INFO, "ArduRover V4.6.0-dev (helmlink)");
-            self.links.text(MAV_SEVERITY_INFO, "ArduPilot Ready");
-            if self.enter_mode(mode).is_err() {
-                self.mode = Mode::Manual;
-            }
-        }
-        if self.home.is_none() && self.has_position() {
-            self.links.text(MAV_SEVERITY_INFO, "EKF3 IMU0 is using GPS");
-            self.set_home(self.position());
-        }
-    }
-
-    /// Starts anew: everything but parameters, plans and links.
-    fn reboot(&mut self) {
-        self.booted = self.now;
-        self.silent_until = self.now + BOOT_SILENCE;
-        self.mode = Mode::Initialising;
-        self.armed = false;
-        self.home = None;
-        self.home_locked = false;
-        self.rc = RcInput::default();
-        self.mode_switch = ModeSwitch::default();
-        self.guided = Guided::default();
-        self.auto = Auto::default();
-        self.failsafe = Failsafe::default();
-        self.steering = Steering::default();
-        self.outputs = Outputs::default();
-        self.report = None;
-        self.missions.set_home(None);
-        self.links.own = own_identity(&self.parameters);
-        self.links.reset_streams();
-        let count = self.parameters.get(STAT_BOOTCNT) as f32 + 1.0;
-        self.parameters.put(STAT_BOOTCNT, count);
-    }
-
     fn leave_breadcrumb(&mut self) {
         if self.armed && self.has_position() && self.mode != Mode::SmartRtl {
             let capacity = usize::try_from(self.parameters.int(SRTL_POINTS)).unwrap_or_default();
             let position = self.motion().position;
             self.breadcrumbs.drop_at(position, self.parameters.get(SRTL_ACCURACY), capacity);
         }
-    }
-
-    /// Time since the last start.
-    fn since_boot(&self) -> Duration {
-        self.now.saturating_sub(self.booted)
-    }
-
-    /// Whether the computer has only just been started anew and neither hears nor says anything.
-    fn is_starting(&self) -> bool {
-        self.now < self.silent_until
-    }
-
-    /// Whether the autopilot has left INITIALISING behind.
-    fn is_initialised(&self) -> bool {
-        self.since_boot() >= self.settings.start_up.initialised_after
-    }
-
-    /// Whether the estimator has a position.
-    fn has_position(&self) -> bool {
-        !self.has_failed_estimator()
-            && self.since_boot() >= self.settings.start_up.position_after
-            && self.estimate.has_gps
     }
 
     fn motion(&self) -> Motion {
@@ -406,64 +345,4 @@ impl Autopilot {
         let load = self.outputs.motor_load(self.twin);
         self.battery.draw(CURRENT_A.0 + CURRENT_A.1 * load, LOOP_S);
     }
-
-    /// How things stand, for scenarios; what really happens is `truth`.
-    pub(crate) fn observe(&self) -> Observation {
-        let place = NorthEast::new(self.truth.north_m, self.truth.east_m);
-        let (north_mps, east_mps) = self.truth.velocity_ned_mps();
-        Observation {
-            mode: self.mode.number(),
-            armed: self.armed,
-            has_position: self.has_position(),
-            mission_complete: self.auto.progress() == auto::Progress::Complete,
-            mission_item: f64::from(self.auto.current()),
-            north_m: place.north_m,
-            east_m: place.east_m,
-            distance_home_m: (place - self.home_point()).norm(),
-            speed_mps: north_mps.hypot(east_mps),
-            heading_deg: self.truth.psi_rad.to_degrees().rem_euclid(360.0),
-            cross_track_m: self.distance_from_mission_m(place),
-            position_error_m: (place - self.motion().position).norm(),
-            battery_percent: 100.0 * self.battery_left(),
-        }
-    }
-
-    /// Sets a parameter whose name has been checked, and tells everyone; a value out of its range is cut.
-    pub(crate) fn set_known_parameter(&mut self, name: &str, value: f32) {
-        if let Some(param) = self.parameters.find(name) {
-            self.parameters.put(param, value);
-            self.announce_parameter(param);
-        }
-    }
-
-    /// Whether there is a parameter of this name.
-    pub(crate) fn has_parameter(&self, name: &str) -> bool {
-        self.parameters.find(name).is_some()
-    }
-
-    /// Names and values of the parameters that a user has changed.
-    pub(crate) fn changed_parameters(&self) -> Vec<(String, f32)> {
-        self.parameters.changed()
-    }
-
-    /// Arms and starts the mission, or keeps the place; false while that is not possible.
-    pub(crate) fn start(&mut self) -> bool {
-        if !self.has_position() || !self.arming_obstacles().is_empty() || !self.arm(false) {
-            return false;
-        }
-        let mode = if self.mission_items().is_empty() { Mode::Loiter } else { Mode::Auto };
-        self.enter_mode(mode).is_ok()
-    }
-
-    /// Enters a mode as if a ground station had asked for it.
-    pub(crate) fn order_mode(&mut self, number: u32) {
-        // A refusal has been told as STATUSTEXT.
-        let _ = self.enter_mode_number(number);
-    }
-}
-
-/// The address that SYSID_THISMAV gives the autopilot.
-fn own_identity(parameters: &Parameters) -> Identity {
-    let system = u8::try_from(parameters.int(SYSID_THISMAV)).unwrap_or(1);
-    Identity { system, component: MAV_COMP_ID_AUTOPILOT1 }
 }

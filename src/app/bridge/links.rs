@@ -10,6 +10,7 @@ use helmlink_wire::signing::Unsigned;
 use super::signing::SigningStore;
 use crate::app::failure::Failure;
 use crate::app::guarded::Guarded;
+use crate::app::ranges::SystemId;
 use crate::app::state_dir::StateDirArgs;
 use crate::bridge::Bridge;
 use crate::gate::{Gate, Terms};
@@ -32,8 +33,8 @@ pub struct LinkArgs {
     #[arg(long)]
     pub accept_unsigned: bool,
     /// Take orders only from this system (repeatable); from everybody if not given
-    #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u8).range(1..))]
-    pub allow_system: Vec<u8>,
+    #[arg(long, value_name = "ID")]
+    pub allow_system: Vec<SystemId>,
 }
 
 /// Which links are signed, where there is a key.
@@ -80,7 +81,10 @@ impl LinkArgs {
         signing: Option<&SigningStore>,
     ) -> Result<(Guarded<Bridge>, Hub), Failure> {
         let mut hub = Hub::new(LinkSettings::default());
-        let gate = Gate::new(signing.map(SigningStore::signing), self.allow_system.clone());
+        let gate = Gate::new(
+            signing.map(SigningStore::signing),
+            self.allow_system.iter().map(|system| **system).collect(),
+        );
         let mut guarded = Guarded::new(bridge, gate);
         for url in std::iter::once(connect).chain(&self.gcs) {
             let endpoint = hub.open(url).await.map_err(Failure::usage)?;

@@ -10,6 +10,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::ranges::SpeedMps;
 use super::review::{Finding, Level, Review, review};
 use super::{say_notes, speed_and_boat};
 
@@ -30,14 +31,14 @@ pub struct CheckArgs {
     pub boat: String,
     /// Speed over ground where the mission gives none, m/s; the boat's cruising speed if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
 }
 
 pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed)?;
+    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed.map(f64::from))?;
     let reading = plan::read_plan(&args.mission).map_err(Failure::usage)?;
     say_notes(&reading.notes);
     let plan = &reading.plan;

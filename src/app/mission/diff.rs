@@ -9,6 +9,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::ranges::WaitS;
 use super::vehicle::VehicleArgs;
 use super::{checksum, download};
 use crate::link::LinkUrl;
@@ -32,8 +33,8 @@ pub struct DiffArgs {
     #[arg(long, value_name = "URL")]
     pub connect: Option<LinkUrl>,
     /// Give up when no heartbeat has come for this many seconds
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
-    pub wait: f64,
+    #[arg(long, default_value = "10", value_name = "S")]
+    pub wait: WaitS,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,

@@ -14,6 +14,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::ranges::{LogS, StopS, SystemId, ToleranceM};
 use super::super::replay::LogFiles;
 use super::convert;
 
@@ -37,20 +38,20 @@ pub struct FromTrackArgs {
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,
     /// How far the track may be from the mission's legs, m
-    #[arg(long, default_value_t = 1.0, value_name = "M")]
-    pub tolerance: f64,
+    #[arg(long, default_value = "1", value_name = "M")]
+    pub tolerance: ToleranceM,
     /// Standing still at least so long becomes a hold, s; 0 leaves stops out
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
-    pub stops: f64,
+    #[arg(long, default_value = "10", value_name = "S")]
+    pub stops: StopS,
     /// Begin so many seconds after the first position
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
-    pub from: f64,
+    #[arg(long, default_value = "0", value_name = "S")]
+    pub from: LogS,
     /// End so many seconds after the first position
     #[arg(long, value_name = "S")]
-    pub to: Option<f64>,
+    pub to: Option<LogS>,
     /// The vehicle's MAVLink system id; the first one with a position if not given
     #[arg(long, value_name = "ID")]
-    pub system: Option<u8>,
+    pub system: Option<SystemId>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -58,18 +59,15 @@ pub struct FromTrackArgs {
 
 pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
     let format = convert::target(args.output.as_deref(), args.format.as_deref())?;
-    if !(args.tolerance.is_finite() && args.tolerance > 0.0) {
-        return Err(Failure::usage(format!("--tolerance {}: give metres above 0", args.tolerance)));
-    }
     let files = LogFiles::find(&args.log)?;
-    let fixes = read_track(&files, args.system)?;
+    let fixes = read_track(&files, args.system.map(u8::from))?;
     let first_s = fixes.first().map_or(0.0, |fix| fix.time_s);
-    let until_s = args.to.unwrap_or(f64::INFINITY);
-    let within = |fix: &Fix| (args.from..=until_s).contains(&(fix.time_s - first_s));
+    let until_s = args.to.map_or(f64::INFINITY, f64::from);
+    let within = |fix: &Fix| (*args.from..=until_s).contains(&(fix.time_s - first_s));
     let chosen: Vec<Fix> = fixes.iter().copied().filter(within).collect();
     let settings = TrackSettings {
-        tolerance_m: args.tolerance,
-        stop_s: Some(args.stops).filter(|stop_s| *stop_s > 0.0),
+        tolerance_m: *args.tolerance,
+        stop_s: Some(*args.stops).filter(|stop_s| *stop_s > 0.0),
     };
     let made = mission_of_track(&chosen, &settings).ok_or_else(|| {
         let what =
@@ -91,7 +89,7 @@ pub(super) fn run(args: &FromTrackArgs) -> Result<(), Failure> {
         let report = json!({
             "log": files.shown(), "output": args.output, "format": format.name(), "positions": chosen.len(),
             "items": plan.mission.items.len(), "length_m": made.length_m, "duration_s": made.duration_s,
-            "tolerance_m": args.tolerance, "deviation_m": made.deviation_m, "losses": losses,
+            "tolerance_m": *args.tolerance, "deviation_m": made.deviation_m, "losses": losses,
         });
         console::say(&report.to_string());
     } else {

@@ -17,7 +17,8 @@ mod tests;
 use std::path::Path;
 
 use clap::Subcommand;
-use helmlink_mission::plan::{self, Item, Mission, canonical};
+use helmlink_mission::geodesy::LocalFrame;
+use helmlink_mission::plan::{self, Fence, Item, Mission, Plan, RallyPoint, canonical};
 use helmlink_mission::protocol::MissionType;
 use helmlink_mission::route::Route;
 use sha2::{Digest, Sha256};
@@ -34,6 +35,7 @@ pub(super) use self::vehicle::VehicleArgs;
 use super::cli::Common;
 use super::failure::Failure;
 use crate::control::Boat;
+use crate::report::{FenceArea, Run};
 
 /// `helmlink mission …`.
 #[derive(Debug, Subcommand)]
@@ -86,6 +88,21 @@ pub(super) struct Drivable {
     pub(super) name: String,
     pub(super) mission: Mission,
     pub(super) route: Route,
+    pub(super) fence: Fence,
+    pub(super) rally: Vec<RallyPoint>,
+}
+
+impl Drivable {
+    /// Draws where the boat may not go and where it may return to; `run` counts from the first waypoint.
+    pub(super) fn chart(&self, run: Run) -> Run {
+        let Some(first) = self.route.waypoints.first() else { return run };
+        let frame = LocalFrame::new(first.position);
+        Run {
+            fence: FenceArea::all_of(&self.fence, &frame),
+            rally: self.rally.iter().map(|rally| frame.to_local(rally.position)).collect(),
+            ..run
+        }
+    }
 }
 
 /// Reads a mission file and checks that a boat can drive it.
@@ -95,19 +112,20 @@ pub(super) struct Drivable {
 pub(super) fn load(path: &Path) -> Result<Drivable, Failure> {
     let reading = plan::read_plan(path).map_err(Failure::usage)?;
     say_notes(&reading.notes);
-    checked(stem(path), reading.plan.mission)
+    checked(stem(path), reading.plan)
 }
 
 /// The mission that comes with helmlink, for the demonstration.
 pub(super) fn sample() -> Result<Drivable, Failure> {
     const SAMPLE: &str = include_str!("../../../mission/plans/harbour-survey.waypoints");
     let mission: Mission = SAMPLE.parse().map_err(Failure::usage)?;
-    checked("harbour-survey".to_owned(), mission)
+    checked("harbour-survey".to_owned(), Plan { mission, ..Plan::default() })
 }
 
-fn checked(name: String, mission: Mission) -> Result<Drivable, Failure> {
+fn checked(name: String, plan: Plan) -> Result<Drivable, Failure> {
+    let Plan { mission, fence, rally } = plan;
     let route = Route::from_mission(&mission).map_err(|error| Failure::usage(format!("{name}: {error}")))?;
-    Ok(Drivable { name, mission, route })
+    Ok(Drivable { name, mission, route, fence, rally })
 }
 
 /// What a mission is called: its file without folder and ending.

@@ -11,6 +11,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::ranges::{Columns, SpeedMps};
 use super::canvas::Canvas;
 use super::check::duration;
 use super::review::{Review, review};
@@ -34,21 +35,21 @@ pub struct ShowArgs {
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Columns to draw in
-    #[arg(long, default_value_t = 78, value_name = "N", value_parser = clap::value_parser!(u16).range(20..=400))]
-    pub width: u16,
+    #[arg(long, default_value = "78", value_name = "N")]
+    pub width: Columns,
     /// The boat whose turns are drawn: a name (otter, monohull38, skiff, motorboat), or a boat file
     #[arg(long, default_value = "otter")]
     pub boat: String,
     /// Speed over ground where the mission gives none, m/s; the boat's cruising speed if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
 }
 
 pub(super) fn run(args: &ShowArgs) -> Result<(), Failure> {
-    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed)?;
+    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed.map(f64::from))?;
     let reading = plan::read_plan(&args.mission).map_err(Failure::usage)?;
     say_notes(&reading.notes);
     let name = stem(&args.mission);
@@ -96,7 +97,7 @@ pub(super) fn run(args: &ShowArgs) -> Result<(), Failure> {
         console::say(&report.to_string());
     } else if args.svg.is_none() {
         let home = route.home.map(|home| review.frame.to_local(home));
-        console::say(&format!("{name}: {summary}\n{}", drawing(&review, &route, &run, home, args.width)));
+        console::say(&format!("{name}: {summary}\n{}", drawing(&review, &route, &run, home, *args.width)));
     }
     Ok(())
 }

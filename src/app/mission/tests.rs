@@ -16,6 +16,7 @@ use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
 use super::super::edge::{Edge, Party};
 use super::super::paced_sitl::{self, PacedSitl};
+use super::super::ranges::WaitS;
 use super::super::replay::LogFiles;
 use super::vehicle::{Session, Task, VehicleArgs, talk};
 use super::*;
@@ -53,7 +54,10 @@ fn a_mission_goes_up_and_comes_down_over_a_socket() {
         let address = hub.local_address(endpoint).unwrap();
         let speedup = 20.0;
         let mut edge = Edge::new(PacedSitl::new(boat(), speedup), hub, paced_sitl::tick(speedup));
-        let args = VehicleArgs { connect: format!("tcp:{address}").parse().unwrap(), wait: 30.0 };
+        let args = VehicleArgs {
+            connect: format!("tcp:{address}").parse().unwrap(),
+            wait: WaitS::try_from(30.0).unwrap(),
+        };
         let sent = mission(12, 5.0);
         let tasks = vec![Task::Send(MissionType::Mission, sent.clone()), Task::Fetch(MissionType::Mission)];
         let common = common();
@@ -75,7 +79,7 @@ fn a_mission_goes_up_and_comes_down_over_a_socket() {
 fn nobody_there_is_no_link() {
     let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let connect = format!("udpout:{}", socket.local_addr().unwrap()).parse().unwrap();
-    let args = VehicleArgs { connect, wait: 0.2 };
+    let args = VehicleArgs { connect, wait: WaitS::try_from(0.2).unwrap() };
     let failure = vehicle::converse(&args, &common(), |_| Ok(Vec::new())).unwrap_err();
     assert_eq!(failure.exit_code(), std::process::ExitCode::from(3));
     assert!(failure.to_string().contains("no heartbeat"), "{failure}");

@@ -11,6 +11,7 @@ use serde_json::json;
 use super::super::cli::Common;
 use super::super::console;
 use super::super::failure::Failure;
+use super::super::ranges::SpeedMps;
 use super::review::{Level, review};
 use super::vehicle::{Task, Vehicle, VehicleArgs, converse};
 use super::{checksum, say_notes, speed_and_boat};
@@ -40,7 +41,7 @@ pub struct UploadArgs {
     pub boat: String,
     /// Speed over ground where the mission gives none, for the check, m/s; the boat's cruising speed if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     /// Send what a boat cannot drive, too: for a flight controller that knows better
     #[arg(long)]
     pub no_check: bool,
@@ -105,7 +106,7 @@ fn check(args: &UploadArgs, plan: &Plan) -> Result<(), Failure> {
     }
     let name = args.mission.display();
     let hint = "to send it all the same, add --no-check";
-    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed)?;
+    let (boat, speed_mps) = speed_and_boat(&args.boat, args.speed.map(f64::from))?;
     let route = Route::from_mission(&plan.mission)
         .map_err(|error| Failure::usage(format!("{name}: {error}; {hint}")))?;
     let review = review(&route, &plan.fence, &boat, speed_mps);

@@ -16,6 +16,7 @@ use super::super::console::ProgressLine;
 use super::super::edge::{Edge, Party};
 use super::super::failure::Failure;
 use super::super::interrupt::interrupted;
+use super::super::ranges::WaitS;
 use crate::link::{EndpointId, Hub, LinkSettings, LinkUrl};
 use crate::vehicle::Mode;
 use crate::vehicle::telemetry::{Sender, classify};
@@ -34,8 +35,8 @@ pub struct VehicleArgs {
     #[arg(long, value_name = "URL")]
     pub connect: LinkUrl,
     /// Give up when no heartbeat has come for this many seconds
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
-    pub wait: f64,
+    #[arg(long, default_value = "10", value_name = "S")]
+    pub wait: WaitS,
 }
 
 /// A transfer to be made.
@@ -261,8 +262,7 @@ pub(super) async fn talk(
     common: &Common,
     plan: impl FnOnce(Vehicle) -> Result<Vec<Task>, Failure>,
 ) -> Result<Vec<Mission>, Failure> {
-    let wait = Duration::try_from_secs_f64(args.wait)
-        .map_err(|_| Failure::usage(format!("--wait {}: give a number of seconds from 0 up", args.wait)))?;
+    let wait = Duration::from_secs_f64(*args.wait);
     let mut hub = Hub::new(LinkSettings::default());
     hub.open(&args.connect).await.map_err(Failure::usage)?;
     let mut edge = Edge::new(Session::new(), hub, TICK);

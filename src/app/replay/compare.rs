@@ -11,10 +11,11 @@ use crate::app::log_report;
 use crate::replay::picture::Side;
 use crate::replay::what_if::{Moment, Sink, WhatIfResult};
 use crate::report::{Curve, Panel, curves_svg};
+use crate::thin::Sampled;
 
 /// Vehicle time between two commands that are compared, seconds.
 const SAMPLE_S: f64 = 0.1;
-/// Commands kept: of a longer log every second, fourth, …
+/// Commands kept at the most.
 const MOST_COMMANDS: usize = 200_000;
 
 /// What one of the two has given.
@@ -42,15 +43,16 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
     let [name_a, name_b] = args.compare.as_slice() else {
         return Err(Failure::usage("--compare needs two boats: names or files"));
     };
-    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let mut engine = Engine::scan(files.clone(), args.system.map(u8::from))?;
     let mut sides = Vec::new();
     for name in [name_a, name_b] {
         let wishes = Wishes { boat: Some(name.as_str()), ..wishes(args) };
         let settings = engine.settings(&wishes, args.window.window())?;
-        let mut replayed = Commands::default();
+        let mut replayed = Commands::new();
         let outcome = engine.run(settings, Side::Replayed, &mut [&mut replayed])?;
         check_driven(&engine, &outcome, args)?;
-        sides.push((Sided { boat: name.clone(), result: outcome.result }, replayed.kept, outcome.notes));
+        let commands = replayed.kept.iter().copied().collect::<Vec<_>>();
+        sides.push((Sided { boat: name.clone(), result: outcome.result }, commands, outcome.notes));
     }
     let (Some((b, of_b, notes)), Some((a, of_a, _))) = (sides.pop(), sides.pop()) else { return Ok(()) };
     let panels = panels([name_a, name_b], &of_a, &of_b);
@@ -79,29 +81,27 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
 }
 
 /// The commands of one side by their number and time, the same instants of a log for either side.
-#[derive(Default)]
 struct Commands {
-    kept: Vec<(f64, [f64; 2])>,
-    /// One in two to the power of so many is kept.
-    halvings: u32,
+    kept: Sampled<(f64, [f64; 2])>,
     first_s: Option<f64>,
-    last: Option<i64>,
+    last: Option<u64>,
+}
+
+impl Commands {
+    fn new() -> Self {
+        Self { kept: Sampled::new(MOST_COMMANDS), first_s: None, last: None }
+    }
 }
 
 impl Sink for Commands {
     fn moment(&mut self, moment: &Moment) {
         let time_s = moment.time_s - *self.first_s.get_or_insert(moment.time_s);
-        let number = (time_s / SAMPLE_S).floor() as i64;
-        if self.last.replace(number) == Some(number) || number % (1 << self.halvings) != 0 {
+        let number = (time_s / SAMPLE_S).floor() as u64;
+        if self.last.replace(number) == Some(number) {
             return;
         }
         let Some(thought) = moment.thought else { return };
-        self.kept.push((time_s, [thought.steering.into(), thought.throttle.into()]));
-        if self.kept.len() > MOST_COMMANDS {
-            self.halvings += 1;
-            let every = 1 << self.halvings;
-            self.kept.retain(|(time_s, _)| (time_s / SAMPLE_S).floor() as i64 % every == 0);
-        }
+        self.kept.push(number, (time_s, [thought.steering.into(), thought.throttle.into()]));
     }
 
     fn command(&mut self, _time_us: u64, _frame: &[u8]) {}

@@ -39,14 +39,11 @@ struct Defaults {
 }
 
 pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
-    if !(args.tolerance.is_finite() && args.tolerance > 0.0) {
-        return Err(Failure::usage(format!("--tolerance {}: give metres above 0", args.tolerance)));
-    }
-    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let mut engine = Engine::scan(files.clone(), args.system.map(u8::from))?;
     let settings = engine.settings(&wishes(args), Window::Any)?;
     let mut track = Track::default();
     engine.run(settings.clone(), Side::Recorded, &mut [&mut track])?;
-    let track_settings = TrackSettings { tolerance_m: args.tolerance, stop_s: Some(STOP_S) };
+    let track_settings = TrackSettings { tolerance_m: *args.tolerance, stop_s: Some(STOP_S) };
     let made = mission_of_track(&track.0, &track_settings)
         .ok_or_else(|| Failure::failed(format!("{} shows no boat that moves", files.shown())))?;
     let route = Route::from_mission(&made.mission).map_err(Failure::failed)?;
@@ -56,7 +53,13 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
         made.mission.items.len(),
         made.deviation_m
     );
-    let drivable = Drivable { name: format!("{}, driven again", files.name()), mission: made.mission, route };
+    let drivable = Drivable {
+        name: format!("{}, driven again", files.name()),
+        mission: made.mission,
+        route,
+        fence: engine.scan.fence.clone(),
+        rally: engine.scan.rally.clone(),
+    };
     match &args.to {
         Some(url) => on_a_boat(args, url, &settings, &drivable, &what),
         None => {
@@ -130,11 +133,12 @@ fn in_the_simulator(args: &ReplayArgs, settings: WhatIfSettings, drivable: Driva
     let started = Instant::now();
     let outcome = run.run(trial.limit());
     let wall_s = started.elapsed().as_secs_f64();
-    let subject = Subject::of(drivable.name, &world, trial.controller.as_str(), trial.output.as_str());
+    let subject =
+        Subject::of(drivable.name.clone(), &world, trial.controller.as_str(), trial.output.as_str());
     let result = RunResult::new(&subject, outcome, wall_s);
     let (recorder, log) = run.into_recorder();
     if !args.no_report {
-        result::write_report(&args.report, &result, &world, recorder, &log)?;
+        result::write_report(&args.report, &result, &world, &drivable, recorder, &log)?;
         tracing::info!("report in {}", args.report.display());
     }
     console::say(&if args.common.json { result.json()? } else { result.text() });

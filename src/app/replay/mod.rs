@@ -17,6 +17,7 @@ pub(super) use self::log_files::LogFiles;
 pub(super) use self::what_if::{export, finish as finish_exports, mcap};
 use super::cli::Common;
 use super::failure::Failure;
+use super::ranges::{LogS, SpeedMps, Speedup, SystemId, ToleranceM, WaitS};
 use crate::control::Controller;
 use crate::link::LinkUrl;
 use crate::replay::what_if::Window;
@@ -64,13 +65,13 @@ pub struct ReplayArgs {
     pub output: Option<OutputKind>,
     /// Speed over ground where the mission gives none, m/s; as recorded, or the vehicle's WP_SPEED, if not given
     #[arg(long, value_name = "M/S")]
-    pub speed: Option<f64>,
+    pub speed: Option<SpeedMps>,
     /// When the controller is asked
     #[arg(long = "while", value_enum, default_value_t = WindowName::Driven)]
     pub window: WindowName,
     /// The vehicle to follow where the log holds several
     #[arg(long, value_name = "ID")]
-    pub system: Option<u8>,
+    pub system: Option<SystemId>,
     /// Write what the controller commands: .tlog, .csv or .json (one object a line) (repeatable)
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
@@ -81,8 +82,8 @@ pub struct ReplayArgs {
     #[arg(long, conflicts_with_all = ["proof", "compare", "out", "mcap", "mission"])]
     pub drive: bool,
     /// How far the mission that is driven again may be from the recorded track, m
-    #[arg(long, default_value_t = 1.0, value_name = "M")]
-    pub tolerance: f64,
+    #[arg(long, default_value = "1", value_name = "M")]
+    pub tolerance: ToleranceM,
     /// Play the log to this link instead: udpout:HOST:PORT, tcpin:HOST:PORT, serial:DEVICE:BAUD, …; with --drive,
     /// where the boat's flight controller is
     #[arg(long, value_name = "URL", conflicts_with_all = ["proof", "compare", "out", "mcap"])]
@@ -97,14 +98,14 @@ pub struct ReplayArgs {
     #[arg(long)]
     pub commands: bool,
     /// Play this many times faster than recorded
-    #[arg(long, default_value_t = 1.0, value_name = "N")]
-    pub speedup: f64,
+    #[arg(long, default_value = "1", value_name = "N")]
+    pub speedup: Speedup,
     /// Begin playing this many seconds into the log
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
-    pub from: f64,
+    #[arg(long, default_value = "0", value_name = "S")]
+    pub from: LogS,
     /// End playing this many seconds into the log
     #[arg(long, value_name = "S")]
-    pub until: Option<f64>,
+    pub until: Option<LogS>,
     /// Play again and again
     #[arg(long = "loop")]
     pub looped: bool,
@@ -116,13 +117,13 @@ pub struct ReplayArgs {
     pub except: Vec<String>,
     /// Play only what these systems have sent (repeatable)
     #[arg(long, value_name = "ID", value_delimiter = ',')]
-    pub systems: Vec<u8>,
+    pub systems: Vec<SystemId>,
     /// Shift the wall-clock time that SYSTEM_TIME tells to now; all other frames are played byte for byte
     #[arg(long)]
     pub rebase: bool,
     /// Give up when nobody has come to --to after this many seconds
-    #[arg(long, default_value_t = 60.0, value_name = "S")]
-    pub wait: f64,
+    #[arg(long, default_value = "60", value_name = "S")]
+    pub wait: WaitS,
     /// Folder for the report
     #[arg(long, default_value = "helmlink-replay", value_name = "DIR")]
     pub report: PathBuf,

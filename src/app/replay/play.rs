@@ -29,9 +29,6 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles, url: &LinkUrl) -> Result<
             "this would send recorded frames to {url}; if that is what you want, and no real vehicle obeys there, add --yes-send"
         )));
     }
-    if !(args.speedup > 0.0 && args.speedup.is_finite()) {
-        return Err(Failure::usage(format!("--speedup {}: it must be more than 0", args.speedup)));
-    }
     let name = files.shown();
     let read = |error: std::io::Error| Failure::usage(format!("cannot read {name}: {error}"));
     let index = Index::build(files.open()).map_err(read)?;
@@ -40,9 +37,9 @@ pub(super) fn run(args: &ReplayArgs, files: &LogFiles, url: &LinkUrl) -> Result<
     };
     let rebase_us = args.rebase.then(|| unix_time_us() as i64 - first_us as i64);
     let settings = PlaySettings {
-        speedup: args.speedup,
-        from_s: args.from,
-        until_s: args.until,
+        speedup: *args.speedup,
+        from_s: *args.from,
+        until_s: args.until.map(f64::from),
         looped: args.looped,
         filter: filter(args)?,
         rebase_us,
@@ -70,7 +67,7 @@ fn filter(args: &ReplayArgs) -> Result<PlayFilter, Failure> {
     Ok(PlayFilter {
         only: ids(&args.only)?,
         except: ids(&args.except)?,
-        systems: args.systems.clone(),
+        systems: args.systems.iter().map(|system| **system).collect(),
         commands: args.commands,
     })
 }
@@ -112,7 +109,7 @@ async fn play(args: &ReplayArgs, url: &LinkUrl, player: Player<Joined>) -> Resul
         if edge.party.player.is_ended() {
             break;
         }
-        if !edge.party.begun && args.wait > 0.0 && edge.now().as_secs_f64() > args.wait {
+        if !edge.party.begun && *args.wait > 0.0 && edge.now().as_secs_f64() > *args.wait {
             return Err(Failure::no_link(format!(
                 "nobody has come to {url} for {:.0} s (--wait 0 waits for ever)",
                 args.wait

@@ -20,7 +20,7 @@ use crate::replay::picture::Side;
 use crate::replay::what_if::{Sink, WhatIfSettings};
 
 pub(super) fn run(args: &ReplayArgs, files: &LogFiles) -> Result<(), Failure> {
-    let mut engine = Engine::scan(files.clone(), args.system)?;
+    let mut engine = Engine::scan(files.clone(), args.system.map(u8::from))?;
     let settings = engine.settings(&wishes(args), args.window.window())?;
     let mut exports = Vec::new();
     for path in &args.out {
@@ -50,7 +50,7 @@ pub(super) fn wishes(args: &ReplayArgs) -> Wishes<'_> {
         mission: args.mission.as_deref(),
         controller: args.controller,
         output: args.output,
-        speed_mps: args.speed,
+        speed_mps: args.speed.map(f64::from),
     }
 }
 

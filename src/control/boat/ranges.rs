@@ -76,7 +76,7 @@ impl Boat {
         ]
     }
 
-    fn guidance_rules(&self) -> [Rule; 7] {
+    fn guidance_rules(&self) -> [Rule; 8] {
         let g = &self.guidance;
         [
             ("guidance.lead_m", g.lead_m, 0.1, 1000.0, "look-ahead at low speed, m"),
@@ -89,6 +89,7 @@ impl Boat {
                 "lead error that stops the virtual ship, m",
             ),
             ("guidance.drift_time_s", g.drift_time_s, 0.05, 600.0, "time constant of the drift estimate, s"),
+            ("guidance.sway_spread", g.sway_spread, 0.0, 2.0, "deviation of the sway from its model, a part"),
             ("guidance.preview_s", g.preview_s, 0.0, 30.0, "curvature preview, s"),
             ("guidance.speed_preview_s", g.speed_preview_s, 0.0, 60.0, "speed preview, s"),
             ("guidance.creep_mps", g.creep_mps, 0.01, 5.0, "least speed of the final approach, m/s"),

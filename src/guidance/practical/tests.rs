@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::{Path, PathLimits};
 use proptest::prelude::*;
 
@@ -55,17 +54,20 @@ proptest! {
 
     #[test]
     fn the_planned_drift_fed_forward_is_the_derivative_of_its_angle(
-        surge in 0.4..2.0f64, turns in prop::collection::vec(-0.4..0.4f64, 1..40),
+        surge in 0.4..2.0f64, sway_excess in -0.6..1.0f64, turns in prop::collection::vec(-0.4..0.4f64, 1..40),
     ) {
         let mut guidance = guidance(|_| ());
         let boat = VesselState { surge_mps: surge, ..state(at(0.0, 0.0), 0.3) };
+        let (path, water) = (bent_path(), Water { sway_excess, ..Water::default() });
+        let input = GuidanceInput { state: &boat, path: &path, speed_mps: 1.2, water };
         for turn_radps in turns {
             for _ in 0..200 {
-                guidance.planned_drift_radps(0.01, &boat, turn_radps);
+                guidance.planned_drift_radps(0.01, &input, turn_radps);
             }
-            let before = guidance.planned_sway.sway_mps().atan2(surge);
-            let fed = guidance.planned_drift_radps(H_S, &boat, -turn_radps);
-            let after = guidance.planned_sway.sway_mps().atan2(surge);
+            let angle = |guidance: &Practical| ((1.0 + sway_excess) * guidance.planned_sway.sway_mps()).atan2(surge);
+            let before = angle(&guidance);
+            let fed = guidance.planned_drift_radps(H_S, &input, -turn_radps);
+            let after = angle(&guidance);
             prop_assert!(((after - before) / H_S - fed).abs() < 1.0e-3, "{fed}");
         }
     }
@@ -77,9 +79,10 @@ proptest! {
         let current = at(north, east);
         let course = |heading_rad: f64| (unit(heading_rad) * through_water + current).bearing_rad();
         let surge_mps = through_water + unit(heading).dot(current);
+        prop_assume!(surge_mps > LEAST_DRIFT_SPEED_MPS);
         let boat = VesselState { surge_mps, ..state(at(0.0, 0.0), heading) };
         let path = bent_path();
-        let water = Water { sway_mps: 0.0, current };
+        let water = Water { current, ..Water::default() };
         let input = GuidanceInput { state: &boat, path: &path, speed_mps: 1.2, water };
         let drift = guidance(|_| ()).drift(H_S, &input, unit(input.state.heading_rad));
         let course_per_yaw = ssa(course(heading + H_S) - course(heading - H_S)) / (2.0 * H_S);
@@ -99,7 +102,7 @@ proptest! {
         let lead_m = guidance.settings.lead_at_m(1.2);
         guidance.ship = VirtualShip::at(100.0 + lead_part * lead_m);
         guidance.progress_m = 100.0;
-        let reference = look(&mut guidance, &path, &boat, Water { sway_mps: sway, current: NorthEast::ZERO });
+        let reference = look(&mut guidance, &path, &boat, Water { sway_mps: sway, ..Water::default() });
         let driven = VesselState { surge_mps: reference.speed_mps, ..boat };
         let lead_rate = guidance.ship.speed_mps() - driven.ground_velocity().north_m;
         let slope = 1.2 / guidance.settings.lead_softness_m;
@@ -112,7 +115,7 @@ proptest! {
 fn the_crab_angle_of_a_boat_that_slows_down_is_fed_forward() {
     let path = bent_path();
     let mut guidance = guidance(|_| ());
-    let water = Water { sway_mps: 0.0, current: at(0.0, 0.3) };
+    let water = Water { current: at(0.0, 0.3), ..Water::default() };
     let mut look = |time_s: f64| {
         let boat = VesselState { surge_mps: 1.4 - 0.05 * time_s, ..state(at(0.0, 0.0), 0.0) };
         guidance.drift(

@@ -7,6 +7,7 @@ use helmlink_mission::geodesy::NorthEast;
 use helmlink_mission::path::Path;
 
 use super::{MissionRun, Phase, RunError, Step};
+use crate::control::Diagnostics;
 use crate::guidance::VesselState;
 use crate::pilot::stretch::{AT_WAYPOINT_M, Stretch};
 use crate::vehicle::output::Demand;
@@ -30,9 +31,8 @@ impl MissionRun {
             throttle: output.command.throttle,
             steering: output.command.steering,
             speed_mps: output.diagnostics.law.alpha_u_mps,
-            // The firmware divides its steering by the speed over ground: with the current it steers too little.
-            yaw_rate_radps: output.diagnostics.law.alpha_r_radps
-                * if self.boat.steers_by_flow() { output.diagnostics.ground_per_water } else { 1.0 },
+            yaw_rate_radps: output.diagnostics.law.alpha_r_radps,
+            ground_per_water: self.ground_per_water(&output.diagnostics),
         };
         if stretch.astern {
             step.demand.throttle = -step.demand.throttle;
@@ -87,12 +87,18 @@ impl MissionRun {
                 steering: output.command.steering,
                 speed_mps: output.diagnostics.law.alpha_u_mps,
                 yaw_rate_radps: output.diagnostics.law.alpha_r_radps,
+                ground_per_water: 1.0,
             };
             if output.diagnostics.reference.finished || off_m < AT_WAYPOINT_M {
                 *back = None;
             }
         }
         Ok(())
+    }
+
+    /// How much the current changes what the firmware's steering does: nothing where two thrusters turn the boat.
+    fn ground_per_water(&self, diagnostics: &Diagnostics) -> f64 {
+        if self.boat.steers_by_flow() { diagnostics.ground_per_water } else { 1.0 }
     }
 
     /// The speed wanted on the leg to the next waypoint.

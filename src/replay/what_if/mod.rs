@@ -268,7 +268,8 @@ impl WhatIf {
             Identity { system: self.vehicle.system, component: COMPONENT }
         };
         let mut frame = Vec::with_capacity(64);
-        self.encoder.encode(own, &self.output.drive(self.vehicle, demand), &mut frame);
+        let message = self.output.drive(time_us as f64 / 1e6, self.vehicle, demand);
+        self.encoder.encode(own, &message, &mut frame);
         self.commands.update(&frame);
         self.result.commands += 1;
         sink.command(time_us, &frame);

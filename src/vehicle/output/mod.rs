@@ -7,6 +7,7 @@
 mod channel;
 pub mod checks;
 mod kind;
+mod rate_loop;
 
 use helmlink_wire::dialect::{
     MANUAL_CONTROL_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA,
@@ -16,6 +17,7 @@ use helmlink_wire::{Identity, Message, enums};
 
 use self::channel::{CHANNELS, Channel};
 pub use self::kind::{OutputKind, UnknownOutput};
+use self::rate_loop::RateLoop;
 use super::parameters::ParameterReader;
 
 /// What the controller wants, in the two forms that the outputs need.
@@ -29,17 +31,20 @@ pub struct Demand {
     pub speed_mps: f64,
     /// Turn rate through the firmware's own rate loop, rad/s, positive to starboard.
     pub yaw_rate_radps: f64,
+    /// Speed over ground over speed through the water, where the steering needs the water's flow; 1 where it does not.
+    pub ground_per_water: f64,
 }
 
 impl Demand {
     /// Motors stopped, rudder amidships.
-    pub const NEUTRAL: Self = Self { throttle: 0.0, steering: 0.0, speed_mps: 0.0, yaw_rate_radps: 0.0 };
+    pub const NEUTRAL: Self =
+        Self { throttle: 0.0, steering: 0.0, speed_mps: 0.0, yaw_rate_radps: 0.0, ground_per_water: 1.0 };
 
     /// Every value is a number.
     fn is_finite(&self) -> bool {
-        [self.throttle, self.steering, self.speed_mps, self.yaw_rate_radps]
-            .iter()
-            .all(|value| value.is_finite())
+        let values =
+            [self.throttle, self.steering, self.speed_mps, self.yaw_rate_radps, self.ground_per_water];
+        values.iter().all(|value| value.is_finite())
     }
 }
 
@@ -59,7 +64,7 @@ pub const PARAMETERS: [&str; 6] =
     ["SYSID_MYGCS", "RCMAP_ROLL", "RCMAP_THROTTLE", "RC_OVERRIDE_TIME", "WP_SPEED", "CRUISE_SPEED"];
 
 /// Parameters that are looked at where the vehicle has them.
-pub const OPTIONAL_PARAMETERS: [&str; 8] = [
+pub const OPTIONAL_PARAMETERS: [&str; 11] = [
     "PILOT_STEER_TYPE",
     "MANUAL_STR_EXPO",
     "FS_GCS_ENABLE",
@@ -68,6 +73,9 @@ pub const OPTIONAL_PARAMETERS: [&str; 8] = [
     "SERVO2_FUNCTION",
     "SERVO3_FUNCTION",
     "SERVO4_FUNCTION",
+    rate_loop::NAMES[0],
+    rate_loop::NAMES[1],
+    rate_loop::NAMES[2],
 ];
 
 /// What is to be read once [`PARAMETERS`] have been answered: the calibration of the channels in use, and the ground
@@ -102,6 +110,7 @@ pub struct Output {
     full_speed_mps: f64,
     /// What of the throttle wanted so far has been cut off: it is made up for later, so that the mean is right.
     throttle_owed: f64,
+    rate_loop: RateLoop,
 }
 
 impl Output {
@@ -113,6 +122,7 @@ impl Output {
             throttle: Channel::new(3, THROTTLE_STEPS),
             full_speed_mps: 2.0,
             throttle_owed: 0.0,
+            rate_loop: RateLoop::default(),
         }
     }
 
@@ -143,14 +153,16 @@ impl Output {
         }
         self.steering.calibrate(parameters);
         self.throttle.calibrate(parameters);
+        self.rate_loop.configure(parameters);
         if let Some(speed_mps) = full_speed_mps(parameters) {
             self.full_speed_mps = speed_mps;
         }
         Ok(())
     }
 
-    /// The message that carries out `demand`; anything that is not a number becomes neutral.
-    pub fn drive(&mut self, vehicle: Identity, demand: Demand) -> Message {
+    /// The message that carries out `demand` at `now_s`, in the vehicle's time; anything that is not a number becomes
+    /// neutral.
+    pub fn drive(&mut self, now_s: f64, vehicle: Identity, demand: Demand) -> Message {
         let demand = if demand.is_finite() { demand } else { Demand::NEUTRAL };
         match self.kind {
             OutputKind::RcOverride => {
@@ -165,9 +177,24 @@ impl Output {
                 self.owe(demand, read);
                 manual_control(vehicle, steering, throttle)
             }
-            OutputKind::Guided => self.attitude_target(vehicle, demand),
-            OutputKind::GuidedVelocity => self.velocity_target(vehicle, demand),
+            OutputKind::Guided => {
+                let yaw_rate_radps = self.told_radps(now_s, demand);
+                self.attitude_target(vehicle, Demand { yaw_rate_radps, ..demand })
+            }
+            OutputKind::GuidedVelocity => {
+                let yaw_rate_radps = self.told_radps(now_s, demand);
+                self.velocity_target(vehicle, Demand { yaw_rate_radps, ..demand })
+            }
         }
+    }
+
+    /// The turn rate that makes the firmware turn the boat as it is wanted.
+    fn told_radps(&mut self, now_s: f64, demand: Demand) -> f64 {
+        if demand == Demand::NEUTRAL {
+            self.rate_loop.reset();
+            return 0.0;
+        }
+        self.rate_loop.told_radps(now_s, demand.yaw_rate_radps, demand.ground_per_water)
     }
 
     /// What to ask of the throttle channel: the firmware knows whole per cents only.

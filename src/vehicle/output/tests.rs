@@ -11,11 +11,11 @@ fn set(parameters: &mut ParameterReader, name: &str, param_value: f32) {
 }
 
 fn demand(throttle: f64, steering: f64) -> Demand {
-    Demand { throttle, steering, speed_mps: 1.0, yaw_rate_radps: 0.1 }
+    Demand { throttle, steering, speed_mps: 1.0, yaw_rate_radps: 0.1, ground_per_water: 1.0 }
 }
 
 fn overrides(output: &mut Output, demand: Demand) -> (u16, u16) {
-    match output.drive(VEHICLE, demand) {
+    match output.drive(0.0, VEHICLE, demand) {
         Message::RC_CHANNELS_OVERRIDE(data) => {
             assert_eq!([data.chan2_raw, data.chan4_raw, data.chan8_raw], [KEEP; 3]);
             (data.chan1_raw, data.chan3_raw)
@@ -51,7 +51,7 @@ fn every_channel_map_is_followed() {
     set(&mut parameters, "RC2_DZ", 0.0);
     let mut output = Output::new(OutputKind::RcOverride);
     output.configure(&parameters).unwrap();
-    let Message::RC_CHANNELS_OVERRIDE(data) = output.drive(VEHICLE, demand(1.0, 1.0)) else { panic!() };
+    let Message::RC_CHANNELS_OVERRIDE(data) = output.drive(0.0, VEHICLE, demand(1.0, 1.0)) else { panic!() };
     assert_eq!([data.chan4_raw, data.chan2_raw, data.chan1_raw, data.chan3_raw], [1100, 1900, KEEP, KEEP]);
     set(&mut parameters, "RCMAP_THROTTLE", 4.0);
     assert!(output.configure(&parameters).unwrap_err().contains("RCMAP_ROLL"));
@@ -62,7 +62,7 @@ fn every_channel_map_is_followed() {
 #[test]
 fn a_velocity_target_carries_speed_and_turn_rate() {
     let mut output = Output::new(OutputKind::GuidedVelocity);
-    let Message::SET_POSITION_TARGET_LOCAL_NED(data) = output.drive(VEHICLE, demand(0.0, 0.0)) else {
+    let Message::SET_POSITION_TARGET_LOCAL_NED(data) = output.drive(0.0, VEHICLE, demand(0.0, 0.0)) else {
         panic!()
     };
     assert_eq!((data.type_mask, data.coordinate_frame), (0x5C7, 8));
@@ -94,7 +94,7 @@ fn guided_speed_is_a_share_of_the_vehicles_own() {
     set(&mut parameters, "CRUISE_SPEED", 4.0);
     let mut output = Output::new(OutputKind::Guided);
     output.configure(&parameters).unwrap();
-    let Message::SET_ATTITUDE_TARGET(data) = output.drive(VEHICLE, demand(0.0, 0.0)) else { panic!() };
+    let Message::SET_ATTITUDE_TARGET(data) = output.drive(0.0, VEHICLE, demand(0.0, 0.0)) else { panic!() };
     assert!((data.thrust - 0.25).abs() < 1e-6 && (data.body_yaw_rate - 0.1).abs() < 1e-6);
     assert_eq!(data.type_mask, 0x83);
 }

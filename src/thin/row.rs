@@ -1,6 +1,6 @@
 //! Samples of a log of any length in bounded memory.
 
-use crate::report::keep_extremes;
+use super::keep_extremes;
 
 /// The first stretches that a long row is thinned to, seconds.
 const FIRST_STRETCH_S: f64 = 2.0;
@@ -8,7 +8,7 @@ const FIRST_STRETCH_S: f64 = 2.0;
 /// Samples in order of time, all of them while they are few. Where they become too many, every stretch of time keeps its
 /// first sample, its last, and for each measure the smallest and the largest; the stretches grow with the row.
 #[derive(Debug)]
-pub(super) struct Thinned<T: 'static> {
+pub(crate) struct Thinned<T: 'static> {
     kept: Vec<T>,
     /// The samples of the stretch under way, once there are stretches.
     open: Vec<T>,
@@ -20,12 +20,12 @@ pub(super) struct Thinned<T: 'static> {
 
 impl<T: Clone> Thinned<T> {
     /// An empty row that keeps about `most` samples, a few more while a stretch is under way.
-    pub(super) fn new(most: usize, time_s: fn(&T) -> f64, measures: &'static [fn(&T) -> f64]) -> Self {
+    pub(crate) fn new(most: usize, time_s: fn(&T) -> f64, measures: &'static [fn(&T) -> f64]) -> Self {
         Self { kept: Vec::new(), open: Vec::new(), stretch_s: None, most, time_s, measures }
     }
 
     /// Appends a sample.
-    pub(super) fn push(&mut self, sample: T) {
+    pub(crate) fn push(&mut self, sample: T) {
         let Some(stretch_s) = self.stretch_s else {
             self.kept.push(sample);
             if self.kept.len() > self.most {
@@ -45,12 +45,12 @@ impl<T: Clone> Thinned<T> {
     }
 
     /// The samples kept.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &T> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         self.kept.iter().chain(&self.open)
     }
 
     /// The latest sample.
-    pub(super) fn last(&self) -> Option<&T> {
+    pub(crate) fn last(&self) -> Option<&T> {
         self.open.last().or(self.kept.last())
     }
 
