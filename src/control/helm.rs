@@ -264,7 +264,8 @@ impl Helm {
         if !self.equipment.feeds_forward {
             reference.heading_rate_radps = 0.0;
         }
-        let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
+        let predicted_s = self.predictor.delay_s();
+        let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion, predicted_s });
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);
         self.law.settle(dt_s, &allocation);
