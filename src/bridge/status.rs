@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::control::Diagnostics;
 use crate::control::response::MeasuredDelay;
-use crate::control::sensor_bias::CompassError;
+use crate::control::sway_balance::CompassError;
 use crate::pilot::Progress;
 use crate::pilot::supervisor::{Reason, State};
 use crate::vehicle::Mode;

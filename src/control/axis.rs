@@ -100,6 +100,8 @@ pub struct SlidingAxis {
     surface: f64,
     regressor: Vector4<f64>,
     demand: f64,
+    /// Part of the gains in use, 0 to 1.
+    gain_part: f64,
 }
 
 impl SlidingAxis {
@@ -123,6 +125,7 @@ impl SlidingAxis {
             surface: 0.0,
             regressor: Vector4::zeros(),
             demand: 0.0,
+            gain_part: 1.0,
         }
     }
 
@@ -131,6 +134,18 @@ impl SlidingAxis {
         self.adaptation = other.adaptation;
         self.freedom = other.freedom;
         self.settings = other.settings;
+    }
+
+    /// The largest gain from an error in the rate to the acceleration: k + λ + δ_max/Φ, 1/s.
+    #[must_use]
+    pub fn total_gain(&self) -> f64 {
+        let g = &self.settings;
+        g.reaching_gain + g.integral_slope + g.disturbance_max / g.boundary
+    }
+
+    /// Uses this part of the gains from now on, 0 to 1: k and λ, and 1/Φ, so that the disturbance bound keeps its limit.
+    pub fn use_part_of_gains(&mut self, part: f64) {
+        self.gain_part = part;
     }
 
     /// Forgets everything learned and starts from the measured `actual` rate without a jump.
@@ -150,13 +165,15 @@ impl SlidingAxis {
         let g = &self.settings;
         let rate = self.filter.step(dt_s, input.target, g.filter_s, g.acceleration_max);
         self.error = self.filter.value() - input.actual;
-        self.surface = self.error + g.integral_slope * self.integral - self.anti_windup;
+        let (reaching_gain, integral_slope) =
+            (self.gain_part * g.reaching_gain, self.gain_part * g.integral_slope);
+        self.surface = self.error + integral_slope * self.integral - self.anti_windup;
         let felt = input.actual - input.drift + g.damping_at_command * self.error;
         self.regressor = regressor(input.coupling, felt);
-        let acceleration = rate + g.integral_slope * self.error - self.parameters.dot(&self.regressor)
-            + g.reaching_gain * self.surface
-            + self.disturbance * (self.surface / g.boundary).tanh()
-            + ANTI_WINDUP_PART * g.reaching_gain * self.anti_windup;
+        let acceleration = rate + integral_slope * self.error - self.parameters.dot(&self.regressor)
+            + reaching_gain * self.surface
+            + self.disturbance * (self.gain_part * self.surface / g.boundary).tanh()
+            + ANTI_WINDUP_PART * reaching_gain * self.anti_windup;
         self.demand = acceleration / input.effect;
         self.demand
     }
@@ -164,7 +181,7 @@ impl SlidingAxis {
     /// Integrates surface, anti-windup and estimates, given what the actuators made of the last demand.
     pub fn settle(&mut self, dt_s: f64, input: &AxisInput, outcome: AxisOutcome) {
         let missing = self.demand - outcome.achieved;
-        let a_c = ANTI_WINDUP_PART * self.settings.reaching_gain;
+        let a_c = ANTI_WINDUP_PART * self.gain_part * self.settings.reaching_gain;
         self.anti_windup += dt_s * (-a_c * self.anti_windup + input.effect * missing);
         let pushes_further = outcome.saturated && self.error * missing > 0.0;
         if !pushes_further {
@@ -184,7 +201,8 @@ impl SlidingAxis {
         let moved = self.parameters + (learned - leaked) * dt_s;
         let offset = (moved - self.nominal).zip_map(&self.freedom, |d, limit| d.clamp(-limit, limit));
         self.parameters = self.nominal + offset;
-        let growth = surface * (surface / g.boundary).tanh() - g.disturbance_leak * self.disturbance;
+        let growth =
+            surface * (self.gain_part * surface / g.boundary).tanh() - g.disturbance_leak * self.disturbance;
         self.disturbance =
             (self.disturbance + dt_s * g.disturbance_rate * growth).clamp(0.0, g.disturbance_max);
     }

@@ -7,12 +7,13 @@ use super::allocation::{Allocator, Situation};
 use super::boat::Boat;
 use super::command::{Command, Wrench};
 use super::controller::{Controller, Equipment};
+use super::dead_reckoning::DeadReckoning;
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::{Hull, SwayModel, WaterMotion};
 use super::observer::Observer;
 use super::predictor::Predictor;
 use super::response::{MeasuredDelay, YawResponse};
-use super::sensor_bias::{CompassError, SwayBalance, VelocityOffset};
+use super::sway_balance::{CompassError, SwayBalance};
 use crate::guidance::drift::DriftEstimator;
 use crate::guidance::{EndOfPath, Guidance, GuidanceInput, Reference, StateError, VesselState, Water, unit};
 
@@ -111,7 +112,7 @@ pub struct Helm {
     sway: SwayModel,
     drift: DriftEstimator,
     observer: Option<Observer>,
-    velocity_offset: VelocityOffset,
+    reckoning: DeadReckoning,
     balance: SwayBalance,
     predictor: Predictor,
     response: YawResponse,
@@ -141,7 +142,7 @@ impl Helm {
             sway: SwayModel::default(),
             drift: DriftEstimator::default(),
             observer: equipment.observes_state.then(|| Observer::new(boat.observer)),
-            velocity_offset: VelocityOffset::default(),
+            reckoning: DeadReckoning::default(),
             balance: SwayBalance::new(if equipment.adapts { boat.guidance.sway_spread } else { 0.0 }),
             predictor: Predictor::default(),
             response: YawResponse::new(&boat.hull),
@@ -202,7 +203,7 @@ impl Helm {
         };
         self.predictor.reset();
         self.response.interrupt();
-        self.velocity_offset = VelocityOffset::default();
+        self.reckoning = DeadReckoning::default();
         if let Some(observer) = &mut self.observer {
             observer.reset();
         }
@@ -216,7 +217,7 @@ impl Helm {
         if !(0.0..=LONGEST_GAP_S).contains(&dt_s) {
             return;
         }
-        self.velocity_offset.interrupt();
+        self.reckoning.interrupt();
         self.response.interrupt();
         let current = self.drift.current();
         if let Some(observer) = &mut self.observer {
@@ -247,7 +248,7 @@ impl Helm {
         let acted = self.predictor.advance(dt_s);
         let observed = match &mut self.observer {
             Some(observer) => {
-                let state = self.velocity_offset.correct(dt_s, state);
+                let state = self.reckoning.correct(dt_s, state);
                 observer.observe(dt_s, &self.hull, &state, acted, self.drift.current())
             }
             None => *state,
@@ -263,7 +264,8 @@ impl Helm {
         if !self.equipment.feeds_forward {
             reference.heading_rate_radps = 0.0;
         }
-        let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion });
+        let predicted_s = self.predictor.delay_s();
+        let demand = self.law.demand(dt_s, &LawInput { reference: &reference, state, motion, predicted_s });
         let situation = Situation { motion, heading_error_rad: reference.heading_error_rad };
         let allocation = self.allocator.allocate(dt_s, demand, &situation);
         self.law.settle(dt_s, &allocation);

@@ -15,6 +15,8 @@ pub struct LawInput<'a> {
     pub state: &'a VesselState,
     /// The boat's motion through the water, as far as it is known.
     pub motion: WaterMotion,
+    /// How far ahead of the measurement state and motion are predicted, s.
+    pub predicted_s: f64,
 }
 
 /// What a law thought at the last tick. A law without a quantity leaves it zero.

@@ -15,7 +15,8 @@
 //! | [`allocation`] | forces to throttle and steering, and what becomes of them |
 //! | [`command`] | throttle and steering, normalised |
 //! | [`observer`] | the state without waves and noise |
-//! | [`sensor_bias`] | constant errors of velocity and compass |
+//! | [`dead_reckoning`] | position and velocity put together: a wandering fix, a velocity that is off |
+//! | [`sway_balance`] | what turns tell of the compass and of the hull's sway |
 //! | [`predictor`] | the state when the command chosen now takes effect |
 //! | [`response`] | the loop's delay, measured on the boat's answer to its steering |
 //! | [`helm`] | the façade: state and path in, command out |
@@ -28,6 +29,7 @@ pub mod boat;
 mod closed_loop_tests;
 pub mod command;
 pub mod controller;
+pub mod dead_reckoning;
 pub mod filter;
 pub mod gains;
 pub mod helm;
@@ -38,7 +40,7 @@ pub mod parts;
 pub mod pi_smc;
 pub mod predictor;
 pub mod response;
-pub mod sensor_bias;
+pub mod sway_balance;
 
 #[cfg(test)]
 mod speed_schedule_tests;

@@ -7,7 +7,18 @@ use super::command::Wrench;
 use super::law::{Law, LawDiagnostics, LawInput};
 use super::model::Hull;
 
+/// The total yaw gain times the time in which the law steers blindly is kept below this. Below a half a loop is at ease,
+/// above one it rings.
+const MOST_GAIN_BY_TIME: f64 = 0.7;
+/// Part of a predicted delay that is blind nevertheless: what a model does not know of the boat.
+const BLIND_PART: f64 = 0.2;
+/// Time constant of the mean step, s.
+const STEP_TIME_S: f64 = 5.0;
+
 /// The controller of both axes.
+///
+/// The yaw gains, those of the heading included, are lowered together where steps are so long or a delay so large that
+/// the boat would ring.
 #[derive(Debug, Clone)]
 pub struct PiSmc {
     hull: Hull,
@@ -16,6 +27,8 @@ pub struct PiSmc {
     surge: SlidingAxis,
     yaw: SlidingAxis,
     last: Option<(AxisInput, AxisInput)>,
+    /// Mean length of the last steps, s.
+    step_s: Option<f64>,
 }
 
 impl PiSmc {
@@ -39,7 +52,17 @@ impl PiSmc {
             heading_gain: control.heading_gain,
             yaw_rate_max_radps: boat.limits.yaw_rate_max_radps,
             last: None,
+            step_s: None,
         }
+    }
+
+    /// Part of the yaw gains that steps of `dt_s` and a prediction over `predicted_s` leave stable.
+    fn gain_part(&mut self, dt_s: f64, predicted_s: f64) -> f64 {
+        let mean_s = self.step_s.unwrap_or(dt_s);
+        let step_s = mean_s + dt_s / (STEP_TIME_S + dt_s) * (dt_s - mean_s);
+        self.step_s = Some(step_s);
+        let blind_s = step_s + BLIND_PART * predicted_s;
+        (MOST_GAIN_BY_TIME / (self.yaw.total_gain() * blind_s)).min(1.0)
     }
 }
 
@@ -48,12 +71,16 @@ impl Law for PiSmc {
         self.surge.engage(surge_mps);
         self.yaw.engage(yaw_rate_radps);
         self.last = None;
+        self.step_s = None;
     }
 
     fn demand(&mut self, dt_s: f64, input: &LawInput<'_>) -> Wrench {
         let limit = self.yaw_rate_max_radps;
-        let LawInput { reference, motion, .. } = *input;
-        let correction = self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
+        let LawInput { reference, motion, predicted_s, .. } = *input;
+        let gain_part = self.gain_part(dt_s, predicted_s);
+        self.yaw.use_part_of_gains(gain_part);
+        let correction =
+            gain_part * self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
         let alpha_r = (correction + reference.heading_rate_radps).clamp(-limit, limit);
         let surge = AxisInput {
             target: reference.speed_mps,
@@ -103,3 +130,6 @@ impl Law for PiSmc {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

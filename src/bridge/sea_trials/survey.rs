@@ -17,14 +17,20 @@ use crate::vehicle::OutputKind;
 struct Off {
     whole_m: f64,
     straight_m: f64,
+    /// Total variation of the steering per minute.
+    steering: f64,
 }
 
 fn survey(output: OutputKind, current_mps: f64, seed: u64) -> Off {
+    off(&trial(output, current_mps, seed))
+}
+
+fn trial(output: OutputKind, current_mps: f64, seed: u64) -> Trial {
     let plan = include_str!("../../../mission/plans/lawnmower-30m.waypoints");
     let mission: Mission = plan.parse().unwrap();
     let home = mission.home.unwrap();
     let current = Current { speed_mps: current_mps, toward_deg: 90.0, variability: 0.0 };
-    let trial = Trial {
+    Trial {
         boat: Boat::embedded("motorboat").unwrap(),
         controller: Controller::default(),
         output,
@@ -40,12 +46,19 @@ fn survey(output: OutputKind, current_mps: f64, seed: u64) -> Off {
         home,
         // The first lane leads north from home.
         heading_rad: 0.0,
-    };
+    }
+}
+
+fn off(trial: &Trial) -> Off {
     let outcome = trial.run().unwrap();
-    assert!(outcome.completed, "{output}, {current_mps} m/s: not completed");
+    assert!(outcome.completed, "{}: not completed", trial.output);
     let score = outcome.score.unwrap();
     let rms = |spread: Option<crate::simulation::score::Spread>| spread.unwrap().rms;
-    Off { whole_m: rms(score.cross_track_m), straight_m: rms(score.cross_track_straight_m) }
+    Off {
+        whole_m: rms(score.cross_track_m),
+        straight_m: rms(score.cross_track_straight_m),
+        steering: score.steering_variation_per_min,
+    }
 }
 
 fn check(output: OutputKind, whole_m: f64, straight_m: f64) {
@@ -69,6 +82,27 @@ fn overrides_keep_a_fast_boat_on_its_lanes_in_a_cross_current() {
 #[test]
 fn setpoints_do_so_too() {
     check(OutputKind::Guided, 0.25, 0.05);
+}
+
+#[test]
+fn neither_slow_telemetry_nor_a_second_of_delay_makes_a_quick_boat_ring() {
+    // With all of the gains, however slow the loop, it steers 8.5, 7.7 and 26 times a minute.
+    for (rate_hz, delay_s, speed_mps, most) in
+        [(5.0, 0.0, 5.0, 4.0), (5.0, 0.0, 3.0, 4.0), (25.0, 1.0, 3.0, 12.0)]
+    {
+        let slow = Trial {
+            interval_s: 1.0 / rate_hz,
+            delay_s,
+            speed_mps: Some(speed_mps),
+            ..trial(OutputKind::RcOverride, 0.0, 201)
+        };
+        let Off { whole_m, straight_m, steering } = off(&slow);
+        println!(
+            "{rate_hz} Hz, {delay_s} s late, {speed_mps} m/s: whole {whole_m:.3} m, straights {straight_m:.3} m"
+        );
+        println!("steering {steering:.1} per minute");
+        assert!(steering < most && straight_m < 0.15, "see above");
+    }
 }
 
 #[test]

@@ -75,7 +75,7 @@ impl Law for SignSmc {
     }
 
     fn demand(&mut self, dt_s: f64, input: &LawInput<'_>) -> Wrench {
-        let LawInput { reference, state, motion } = *input;
+        let LawInput { reference, state, motion, .. } = *input;
         let limit = self.yaw_rate_max_radps;
         let correction = self.heading_gain * reference.heading_error_rad * reference.yaw_per_course;
         let alpha_r = (correction + reference.heading_rate_radps).clamp(-limit, limit);

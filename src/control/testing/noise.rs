@@ -26,7 +26,7 @@ impl Noise {
     }
 
     /// Nearly normal with unit variance: twelve uniform numbers.
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| f64::from(self.rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
     }
 

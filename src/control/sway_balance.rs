@@ -1,9 +1,5 @@
-//! Constant errors of the sensors and of the hull's model in sway, found out by what does not fit together.
+//! What turns in a current tell: what the compass is off by, and how much the hull sways against its model.
 //!
-//! * **Velocity.** A tilted or uncalibrated accelerometer gives the flight controller's velocity a constant error in the
-//!   boat's own axes. The course that is steered is then off by that much to the side, and the boat runs beside its
-//!   line by the look-ahead times the angle. The position has no such error: where the boat gets to, against where the
-//!   velocity would have taken it, tells.
 //! * **Compass.** Course over ground, current and heading belong together: the part of the sway that is current changes
 //!   with the heading, the part that is a wrong compass, −b u, does not. So it takes a turn: on one course a compass
 //!   offset b and a current across look the same, and the deviation says that nothing is known. It is told, and not
@@ -15,63 +11,6 @@ use helmlink_mission::geodesy::NorthEast;
 use nalgebra::{Matrix4, Vector4};
 
 use crate::guidance::{VesselState, unit};
-
-/// Bandwidth of the comparison of position and velocity, rad/s: it settles in a minute and a half, and takes little of the
-/// wandering of a GPS fix for motion.
-const COMPARISON_RADPS: f64 = 0.06;
-/// Its damping.
-const DAMPING: f64 = 0.8;
-/// Largest velocity offset that is believed, m/s.
-const MOST_OFFSET_MPS: f64 = 0.05;
-/// A position this far from where the velocity has led is another one: the comparison starts anew, m.
-const JUMP_M: f64 = 2.0;
-
-/// Finds the velocity's constant error in the boat's axes.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct VelocityOffset {
-    /// Where the velocity has led, drawn to the measured position.
-    led: Option<NorthEast>,
-    /// Error toward bow and starboard, m/s.
-    offset: [f64; 2],
-}
-
-impl VelocityOffset {
-    /// Learns from one tick; returns `state` without the error.
-    pub fn correct(&mut self, dt_s: f64, state: &VesselState) -> VesselState {
-        let [forward, right] = self.offset;
-        let better =
-            VesselState { surge_mps: state.surge_mps - forward, sway_mps: state.sway_mps - right, ..*state };
-        let bow = unit(state.heading_rad);
-        let expected = self.led.map(|led| led + better.ground_velocity_with(bow) * dt_s);
-        let Some(expected) = expected.filter(|led| (*led - state.position).norm() < JUMP_M) else {
-            self.led = Some(state.position);
-            return better;
-        };
-        let behind = state.position - expected;
-        // Exact for any step of a loop this slow.
-        let pull = 2.0 * DAMPING * COMPARISON_RADPS * dt_s;
-        let learn = COMPARISON_RADPS * COMPARISON_RADPS * dt_s;
-        self.led = Some(expected + behind * pull.min(1.0));
-        let limit = MOST_OFFSET_MPS;
-        // Led too little: the velocity says too little.
-        self.offset = [
-            (forward - learn * bow.dot(behind)).clamp(-limit, limit),
-            (right - learn * bow.cross(behind)).clamp(-limit, limit),
-        ];
-        better
-    }
-
-    /// Time has passed unseen: what the velocity led to in it is not known.
-    pub fn interrupt(&mut self) {
-        self.led = None;
-    }
-
-    /// The error toward bow and starboard, m/s.
-    #[must_use]
-    pub fn offset_mps(&self) -> [f64; 2] {
-        self.offset
-    }
-}
 
 /// Deviation of the sway that the hull model explains from the true one, m/s, as white noise over one second.
 const SWAY_NOISE_MPS: f64 = 0.05;

@@ -6,22 +6,15 @@ use super::*;
 
 const DT_S: f64 = 0.04;
 
-/// A boat that runs for `seconds` on each heading, in a current, with wrong velocity and compass.
+/// A boat that runs for `seconds` on each heading, in a current, with a wrong compass.
 struct Voyage {
-    position: NorthEast,
     current: NorthEast,
-    velocity_offset: [f64; 2],
     compass_offset_rad: f64,
 }
 
 impl Voyage {
     fn new() -> Self {
-        Self {
-            position: NorthEast::ZERO,
-            current: NorthEast::new(0.2, -0.15),
-            velocity_offset: [0.0; 2],
-            compass_offset_rad: 0.0,
-        }
+        Self { current: NorthEast::new(0.2, -0.15), compass_offset_rad: 0.0 }
     }
 
     /// Runs a leg; hands every measurement over.
@@ -29,53 +22,13 @@ impl Voyage {
         let bow = unit(heading_rad);
         let velocity = bow * 1.2 + self.current;
         for _ in 0..(seconds / DT_S) as u32 {
-            self.position += velocity * DT_S;
             let seen = unit(heading_rad + self.compass_offset_rad);
             take(&VesselState {
-                position: self.position,
                 heading_rad: heading_rad + self.compass_offset_rad,
-                surge_mps: seen.dot(velocity) + self.velocity_offset[0],
-                sway_mps: seen.cross(velocity) + self.velocity_offset[1],
-                yaw_rate_radps: 0.0,
+                surge_mps: seen.dot(velocity),
+                sway_mps: seen.cross(velocity),
+                ..VesselState::default()
             });
-        }
-    }
-}
-
-#[test]
-fn a_velocity_that_is_off_is_found_out_by_the_position() {
-    let mut voyage = Voyage { velocity_offset: [0.02, -0.016], ..Voyage::new() };
-    let mut offset = VelocityOffset::default();
-    let mut better = VesselState::default();
-    for leg in 0..4 {
-        voyage.leg(FRAC_PI_2 * f64::from(leg), 60.0, |state| better = offset.correct(DT_S, state));
-    }
-    let [forward, right] = offset.offset_mps();
-    assert!((forward - 0.02).abs() < 1.0e-3 && (right + 0.016).abs() < 1.0e-3, "{forward} {right}");
-    let truth = unit(3.0 * FRAC_PI_2) * 1.2 + voyage.current;
-    assert!((better.ground_velocity() - truth).norm() < 2.0e-3);
-}
-
-#[test]
-fn a_jump_of_the_position_teaches_no_velocity() {
-    let mut voyage = Voyage::new();
-    let mut offset = VelocityOffset::default();
-    voyage.leg(0.3, 30.0, |state| _ = offset.correct(DT_S, state));
-    voyage.position += NorthEast::new(0.0, 25.0);
-    voyage.leg(0.3, 60.0, |state| _ = offset.correct(DT_S, state));
-    assert!(offset.offset_mps().iter().all(|part| part.abs() < 1.0e-6), "{offset:?}");
-}
-
-proptest! {
-    #[test]
-    fn no_position_makes_the_velocity_worse_than_the_limit(
-        places in prop::collection::vec((-30.0..30.0f64, -30.0..30.0f64, -PI..PI, 0.001..1.0f64), 1..200),
-    ) {
-        let mut offset = VelocityOffset::default();
-        for (north, east, heading, dt_s) in places {
-            let state = VesselState { position: NorthEast::new(north, east), heading_rad: heading, ..VesselState::default() };
-            let better = offset.correct(dt_s, &state);
-            prop_assert!(better.surge_mps.abs() <= MOST_OFFSET_MPS && better.sway_mps.abs() <= MOST_OFFSET_MPS);
         }
     }
 }
