@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::config::NOT_IN_A_FILE;
 use super::ranges::{self, Bounds, Pace, Speedup};
+use crate::vehicle::OutputKind;
 
 /// The schema of a file for all subcommands of `command`.
 pub(super) fn schema(command: &Command) -> Value {
@@ -77,6 +78,8 @@ fn kind(argument: &Arg) -> Value {
         argument.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
     if !choices.is_empty() {
         json!({ "enum": choices })
+    } else if is(&[TypeId::of::<OutputKind>()]) {
+        json!({ "enum": OutputKind::ALL.map(OutputKind::as_str) })
     } else if let Some(bounds) = ranges::bounds(|kind| is(&[kind])) {
         number(bounds)
     } else if is(&[TypeId::of::<Pace>()]) {
@@ -202,7 +205,13 @@ mod tests {
         );
         assert_eq!(bridge["engage"]["type"], "boolean");
         assert_eq!(bridge["gcs-system"]["type"], "integer");
-        assert_eq!(bridge["output"]["type"], "string");
+        let outputs = bridge["output"]["enum"].as_array().unwrap();
+        for output in outputs.iter().map(|output| output.as_str().unwrap()).chain(["sail"]) {
+            let is_known = outputs.iter().any(|known| known == output);
+            let file = format!("[bridge]\noutput = \"{output}\"\n");
+            let is_taken = config::check(Path::new("x.toml"), &file, &Cli::command()).is_ok();
+            assert_eq!(is_taken, is_known, "{output}");
+        }
         assert_eq!(bridge["gcs"]["anyOf"][1]["type"], "array");
     }
 }
