@@ -21,12 +21,18 @@ pub struct Particulars {
 
 /// Surge time constant at half of the top speed over √length, s/√m.
 const SURGE_TIME: f64 = 0.9;
-/// Yaw time constant over √length, s/√m.
-const YAW_TIME: f64 = 0.8;
+/// Yaw time constant over √length, s/√m: how soon full steering brings a hull to the rate of its circle. It is the Otter's,
+/// the quickest of the boats that come with Helmlink: of a hull that is slower the loop is softer, of one that is quicker
+/// it would ring.
+const YAW_TIME: f64 = 0.15;
 /// Sway time constant over √length, s/√m.
 const SWAY_TIME: f64 = 0.5;
 /// Sway mass over surge mass: the mean of the boats that come with Helmlink.
 const SWAY_MASS: f64 = 1.5;
+/// Largest yaw reaching gain times √length, √m/s.
+const MOST_REACHING: f64 = 3.0;
+/// Time constant of the yaw command filter in those of the hull: shorter, the noise of the wanted turn steers.
+const FILTER_PART: f64 = 2.0;
 /// Total yaw gain times delay; half a second of comfort.
 const GAIN_TIMES_DELAY: f64 = 0.6;
 /// Bandwidth of the observer times the yaw time constant: quick, because the model is only a guess.
@@ -94,12 +100,12 @@ impl Rule {
             full_n: drag(surge_s, cruise_mps) * particulars.top_speed_mps.powi(2),
             rate_max: YAW_RATE_PART * 2.0 * cruise_mps / particulars.turning_circle_m,
             // The servo and the hull's own lag count as part of the delay.
-            reaching: (GAIN_TIMES_DELAY / (particulars.delay_s + 0.15 * yaw_s)).min(4.0 / root),
+            reaching: (GAIN_TIMES_DELAY / (particulars.delay_s + 0.15 * yaw_s)).min(MOST_REACHING / root),
         }
     }
 
     fn filter_s(&self) -> f64 {
-        (0.35 * self.yaw_s).max(0.1)
+        (FILTER_PART * self.yaw_s).max(0.1)
     }
 
     fn heading_gain(&self) -> f64 {

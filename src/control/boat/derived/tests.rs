@@ -54,6 +54,24 @@ fn trial(hull: &Hull, particulars: &Particulars) -> Trial {
     }
 }
 
+/// Total variation of its steering per minute.
+fn steering_per_min(trial: &Trial) -> f64 {
+    trial.run().unwrap().score.unwrap().steering_variation_per_min
+}
+
+#[test]
+fn a_boat_by_rule_does_not_ring_at_any_rate_of_its_telemetry() {
+    for name in ["otter", "skiff"] {
+        let hull = Hull::builtin(name).unwrap();
+        for interval_s in [0.04, 0.1, 0.2] {
+            let trial = Trial { interval_s, ..trial(&hull, &measured(&hull)) };
+            let steering = steering_per_min(&trial);
+            println!("{name} every {interval_s} s: {steering:.1} per minute");
+            assert!(steering < 12.0, "{name} every {interval_s} s: {steering}");
+        }
+    }
+}
+
 /// Root mean square of its distance from the path, m; infinite where it does not arrive.
 fn error_m(hull: &Hull, particulars: &Particulars) -> f64 {
     let outcome = trial(hull, particulars).run().unwrap();
