@@ -35,3 +35,5 @@ pub use trial::{Trial, TrialError};
 mod estimator_tests;
 #[cfg(test)]
 mod mission_tests;
+#[cfg(test)]
+mod steering_floor_tests;
