@@ -77,9 +77,9 @@ fn kind(argument: &Arg) -> Value {
     let choices: Vec<String> =
         argument.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
     if !choices.is_empty() {
-        json!({ "enum": choices })
+        json!({ "type": "string", "enum": choices })
     } else if is(&[TypeId::of::<OutputKind>()]) {
-        json!({ "enum": OutputKind::ALL.map(OutputKind::as_str) })
+        json!({ "type": "string", "enum": OutputKind::ALL.map(OutputKind::as_str) })
     } else if let Some(bounds) = ranges::bounds(|kind| is(&[kind])) {
         number(bounds)
     } else if is(&[TypeId::of::<Pace>()]) {
