@@ -98,7 +98,8 @@ impl DeadReckoning {
         let surge_mps = state.surge_mps - self.offset.re;
         let sway_mps = state.sway_mps - self.offset.im;
         let better = VesselState { surge_mps, sway_mps, ..*state };
-        let velocity = better.ground_velocity();
+        let bow = unit(state.heading_rad);
+        let velocity = better.ground_velocity_with(bow);
         let expected = self.led.map(|led| led.position + (led.velocity + velocity) * (0.5 * dt_s));
         let Some(position) = expected.filter(|led| (*led - state.position).norm() < JUMP_M) else {
             self.start(state.position, velocity);
@@ -106,7 +107,7 @@ impl DeadReckoning {
         };
         self.led = Some(Led { position, velocity });
         self.since_s += dt_s;
-        self.turned_s += plane(unit(state.heading_rad)) * dt_s;
+        self.turned_s += plane(bow) * dt_s;
         if self.since_s >= CORRECTION_S {
             self.draw(state.position);
         }

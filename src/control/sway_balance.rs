@@ -67,7 +67,7 @@ impl SwayBalance {
             self.covariance[(index, index)] += walk * dt_s;
         }
         let bow = unit(state.heading_rad);
-        let along_mps = bow.north_m * self.known[0] + bow.east_m * self.known[1];
+        let along_mps = bow.dot(self.current());
         let seen = Vector4::new(-bow.east_m, bow.north_m, along_mps - state.surge_mps, model_sway_mps);
         let surprise = state.sway_mps - model_sway_mps - seen.dot(&self.known);
         let spread = self.covariance * seen;

@@ -75,7 +75,8 @@ impl FileServer {
         let reader = (link, from.system, from.component);
         let payload = &request.payload;
         let [opcode, session] = [at::OPCODE, at::SESSION].map(|place| payload[place]);
-        let offset = u32::from_le_bytes([payload[8], payload[9], payload[10], payload[11]]) as usize;
+        let offset = [0, 1, 2, 3].map(|byte| payload[at::OFFSET + byte]);
+        let offset = u32::from_le_bytes(offset) as usize;
         let size = usize::from(payload[at::SIZE]).min(DATA_BYTES);
         let file = || {
             let path = String::from_utf8_lossy(&payload[at::DATA..][..size]);
